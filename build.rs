@@ -1,8 +1,8 @@
-//! Digests the code of every crate and of every stage, so that a kept result is used only by the code that made it.
+//! Digests the code of every crate and stage, so that a cached result is only used by the code that produced it.
 //!
-//! Comments, documentation, layout and unit tests do not count: they change no result. Files that code includes count
-//! whole. The digest of a crate includes those of the workspace crates it depends on, and the lock file, which fixes
-//! all other dependencies.
+//! Comments, documentation, layout and unit tests are ignored, because they do not change results. Included files are
+//! digested completely. The digest of a crate includes those of the workspace crates it depends on, and the lock file,
+//! which pins all other dependencies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -14,7 +14,7 @@ use std::str::FromStr;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest as _, Sha256};
 
-/// Crates of the workspace, each after those that it depends on.
+/// Crates of the workspace in dependency order.
 const CRATES: [&str; 10] = [
     "quantities",
     "documents",
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         digest_code(&root, &path, &mut digest)?;
         emit(&format!("stages_{stage}"), digest);
     }
-    // The stages of a source are its file, or `sound.rs` in its folder; the rest describes it.
+    // The stages of a source are in its file, or in `sound.rs` in its folder; the rest only describes it.
     for entry in fs::read_dir(root.join("src/model/sources"))? {
         let path = entry?.path();
         let source = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The list of the studies that come with the program: all files of their folder.
+/// Lists the studies that come with the program: all files in their folder.
 fn studies(root: &Path) -> Result<(), Box<dyn Error>> {
     let folder = root.join("designs/studies");
     println!("cargo:rerun-if-changed=designs/studies");
@@ -103,7 +103,7 @@ fn studies(root: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Build information for `--version`. No key contains it: the digests above cover the sources only.
+/// Build information for `--version`. It is not part of any key, because the digests above cover only the sources.
 fn describe(root: &Path) {
     let set = |name: &str| std::env::var(name).unwrap_or_default();
     let features = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
@@ -128,9 +128,8 @@ fn describe(root: &Path) {
     println!("cargo:rustc-env=NAILNOISE_FEATURES={features}");
 }
 
-/// The commit of the sources, if they are those of a repository or of a package made from one. The script runs when a
-/// source changes and not when a commit is made, which changes no source: it may name the commit before, and the
-/// changes since.
+/// The commit of the sources, if they are in a repository or in a package made from one. The script runs when a source
+/// changes but not when a commit is made, so it may report the previous commit with changes.
 fn commit(root: &Path) -> Option<String> {
     if let Ok(package) = fs::read_to_string(root.join(".cargo_vcs_info.json")) {
         let hash = package.split("\"sha1\"").nth(1)?.split('"').nth(1)?;
@@ -143,7 +142,7 @@ fn commit(root: &Path) -> Option<String> {
             .filter(|_| output.status.success())?;
         Some(text.trim().to_owned())
     };
-    // A repository that holds a copy of the sources says nothing about them.
+    // If the repository merely contains a copy of the sources, its commit does not describe them.
     let top = PathBuf::from(git(&["rev-parse", "--show-toplevel"])?);
     if top.canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
@@ -177,7 +176,7 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
     if path.extension().is_some_and(|extension| extension == "rs") {
         digest.update(path.strip_prefix(root)?.to_string_lossy().as_bytes());
         let text = fs::read_to_string(path)?;
-        // What is no Rust fails in the compiler, with a better message.
+        // A file that is not Rust fails in the compiler, with a better message.
         let Ok(tokens) = TokenStream::from_str(&text) else {
             digest.update(text);
             return Ok(());
@@ -211,7 +210,7 @@ fn included_files(tokens: TokenStream) -> Vec<String> {
     names
 }
 
-/// Tokens without documentation and without code that only tests compile.
+/// Tokens excluding documentation and test-only code.
 fn significant(tokens: TokenStream) -> TokenStream {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut kept = Vec::new();
@@ -221,7 +220,7 @@ fn significant(tokens: TokenStream) -> TokenStream {
             Some((length, text)) if text.starts_with("doc") => at += length,
             Some((length, text)) if text.starts_with("cfg (test)") || text.starts_with("cfg(test)") => {
                 at += length;
-                // The item ends with its block or its semicolon.
+                // An item ends with its block or semicolon.
                 let end = |tree: &TokenTree| match tree {
                     TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
                     TokenTree::Punct(mark) => mark.as_char() == ';',
@@ -246,7 +245,7 @@ fn significant(tokens: TokenStream) -> TokenStream {
     kept.into_iter().collect()
 }
 
-/// The attribute at the beginning of these tokens, `#[...]` or `#![...]`: how many tokens it takes, and what it says.
+/// The attribute at the start of these tokens, `#[...]` or `#![...]`: the number of tokens it occupies, and its text.
 fn attribute(tokens: &[TokenTree]) -> Option<(usize, String)> {
     let is =
         |tree: Option<&TokenTree>, wanted: char| matches!(tree, Some(TokenTree::Punct(p)) if p.as_char() == wanted);

@@ -1,4 +1,4 @@
-//! Time of a fit of 100 000 points and 10 terms, and of a shot of the test machine, on one core.
+//! Time of a fit with 100 000 points and 10 terms, and of a shot of the test machine, on one core.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ fn drives() -> Vec<Drive> {
         let speed = [0.333e-3, 1.66e-3, 8.33e-3][k % 7 % 3];
         let point = |i: usize| {
             let x = (i as f64 + 0.5) / POINTS as f64;
-            // A law that is not a polynomial, with scatter, so that nothing is exact.
+            // A law that is not a polynomial, with scatter, so that no fit is exact.
             let scatter = 1e-3 * ((k * POINTS + i) as f64 * 12.9898).sin();
             Point {
                 depth: x * nail.length,

@@ -1,16 +1,16 @@
-//! How long a first run takes and how long later ones, as a user waits for them, and how large its files are:
-//! `cargo bench -p nailnoise --bench rerun`.
+//! Durations of a first run and of later ones, as a user experiences them, and the size of the files: `cargo bench -p
+//! nailnoise --bench rerun`.
 //!
-//! Each design runs in an empty cache, then unchanged, then with one thing changed. The figures are wall times of the
-//! complete command, including files. If the system states it, the processor time of all its threads is added, which a
-//! machine that is busy with other things does not lengthen as much.
+//! Each design runs with an empty cache, then unchanged, then with one change. The figures are wall times of the
+//! complete command, including files. If the system reports it, the processor time of all threads is added, which
+//! depends less on other load.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// The change, and the key for it.
+/// The change, and the assignment that makes it.
 const CHANGES: [(&str, &str); 17] = [
     ("exhaust's pitch", "exhaust.pitch = \"25 mm\""),
     ("exhaust's muffler", MUFFLER),
@@ -18,15 +18,15 @@ const CHANGES: [(&str, &str); 17] = [
     ("exhaust's holes", "exhaust.holes = 6"),
     ("ambient temperature", "ambient.temperature = \"25 degC\""),
     ("supply pressure", "supply.pressure = \"90 psig\""),
-    // New modes of the same surfaces: no boundary elements, see docs/performance.md.
+    // New modes on the same surfaces, without boundary elements; see docs/performance.md.
     ("wood's stiffness", "wood.elastic.e_l = \"12.3 GPa\""),
     ("wood's density", "wood.density = \"440 kg/m3\""),
     ("wood's loss factor", "wood.loss_factor = 0.03"),
     ("nail's length", "nail.length = \"76 mm\""),
-    // The same surfaces, sounding at other places.
+    // The same surfaces, with receivers at other places.
     ("ear", "acoustics.ear_across = \"0.53 m\""),
     ("nail's place", "nail.offset_along = \"30 mm\""),
-    // Boundary elements of only the table.
+    // Boundary elements of the table only.
     ("table's height", "support.worktable.height = \"700 mm\""),
     (
         "table's thickness",
@@ -34,12 +34,12 @@ const CHANGES: [(&str, &str); 17] = [
     ),
     // New modes of the tool on the same mesh.
     ("tool's mass", "tool.mass = \"4.0 kg\""),
-    // New meshes of the tool; the first one also needs its second standard structure, once.
+    // New meshes of the tool; the first one also needs its second reference structure, once.
     ("tool's first wall", "body.magazine_wall = \"3.4 mm\""),
     ("tool's next wall", "body.cap_wall = \"3.5 mm\""),
 ];
 
-/// A muffler by its measured loss; the area of its end acts on the flow, so that it is another shot.
+/// A muffler with measured insertion loss; its outlet area affects the flow and therefore the shot.
 const MUFFLER: &str = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.4000 = 10";
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Bytes of the files in a folder and below it.
+/// Total size of the files in a folder \[bytes\].
 fn size(folder: &Path) -> std::io::Result<u64> {
     let of = |entry: std::io::Result<std::fs::DirEntry>| {
         let entry = entry?;
@@ -97,7 +97,7 @@ fn spent(design: &Path, cache: &Path, work: &Path) -> Result<String, Box<dyn Err
         .env("NAILNOISE_CACHE", cache)
         .stdout(Stdio::null())
         .status()?;
-    // A failed check, for example of a short nail that is driven too deep, takes no less time.
+    // A failed check, for example of a short nail that is driven too deep, does not shorten the run.
     if !status.success() && status.code() != Some(3) {
         return Err(format!("{}: {status}", design.display()).into());
     }
@@ -109,11 +109,11 @@ fn spent(design: &Path, cache: &Path, work: &Path) -> Result<String, Box<dyn Err
     })
 }
 
-/// User and system time of the processes waited for so far \[s\], from Linux's /proc (proc(5): fields 16 and 17, in
+/// User and system time of the child processes so far \[s\], from Linux's /proc (proc(5): fields 16 and 17, in
 /// hundredths of a second).
 fn processor() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name, in parentheses, may contain blanks; field 3 follows it.
+    // The name, in parentheses, may contain spaces; field 3 follows it.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field - 3)?.parse::<f64>().ok();
     Some((ticks(16)? + ticks(17)?) / 100.0)

@@ -1,5 +1,5 @@
-//! Memory and processor time that a large study takes to state its result, from made-up levels of the N80CB's
-//! variables: `cargo bench -p nailnoise --bench study -- DRAWS`, 20 000 unless given.
+//! Memory and processor time needed to evaluate a large study, from made-up levels for the N80CB's variables: `cargo
+//! bench -p nailnoise --bench study -- DRAWS`, 20 000 by default.
 
 use std::error::Error;
 use std::path::Path;
@@ -22,7 +22,7 @@ const INTERVALS: [&str; 6] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Cargo passes `--bench`, too.
+    // Cargo also passes `--bench`.
     let draws = std::env::args()
         .find_map(|argument| argument.parse().ok())
         .unwrap_or(20_000);

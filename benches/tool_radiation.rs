@@ -1,8 +1,8 @@
-//! One frequency of the tool's radiation far above the resolution of its mesh, with the dense and with the compressed
-//! matrix: `cargo bench -p nailnoise --bench tool_radiation -- [HZ ...]`, 8 kHz unless given.
+//! Radiation of the tool at one frequency far above the resolution of its mesh, with the dense and the compressed
+//! matrix: `cargo bench -p nailnoise --bench tool_radiation -- [HZ ...]`, 8 kHz by default.
 //!
-//! The body of the N80CB moves in all its modes. Times are processor time of the complete process, with its modes in
-//! the cache.
+//! The body of the N80CB moves in all its modes. Times are processor time of the entire process, with the modes in the
+//! cache.
 
 use std::error::Error;
 use std::path::Path;
@@ -96,7 +96,7 @@ fn cpu(start: Instant) -> f64 {
     stat.and_then(ticks).unwrap_or_else(|| start.elapsed().as_secs_f64())
 }
 
-/// Most memory that this process has had \[GB\].
+/// Peak memory of this process \[GB\].
 fn peak() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

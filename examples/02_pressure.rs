@@ -1,4 +1,4 @@
-//! Effect of the supply pressure on the shot and on its exhaust: `cargo run --release --example 02_pressure`.
+//! Effect of the supply pressure on the shot and on exhaust noise: `cargo run --release --example 02_pressure`.
 
 use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
@@ -12,18 +12,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("kPa  m/s  mm  g of air  dB(A) of the exhaust");
     for kilopascal in [650.0, 700.0, 750.0, 800.0, 850.0] {
         design.supply.pressure = 1e3 * kilopascal;
-        let record = chain::cycle(&design)?;
-        let openings = exhaust::noise_of_openings(&design, &record)?;
+        let shot = chain::shot(&design)?;
+        let openings = exhaust::noise_of_openings(&design, &shot)?;
         let parts: Vec<SourceSpectrum> = openings.into_iter().map(|opening| opening.spectrum).collect();
         let exhaust = SourceSpectrum::sum("exhaust", "all openings", &parts);
-        let (shot, level) = (&record.summary, exhaust.level([50.0, 10_000.0], Weighting::A));
+        let level = exhaust.level([50.0, 10_000.0], Weighting::A);
+        let figure = |name: &str| shot.figures.get(name);
         println!(
             "{kilopascal:.0}  {}  {:.1}  {:.2}  {:.1}",
             // None where the nail is not driven to its length.
-            shot.mean_drive_speed
-                .map_or("-".to_owned(), |speed| format!("{speed:.1}")),
-            1e3 * shot.penetration,
-            1e3 * shot.exhaust_mass,
+            figure("mean_drive_speed").map_or("-".to_owned(), |speed| format!("{speed:.1}")),
+            1e3 * figure("penetration").unwrap_or(f64::NAN),
+            1e3 * figure("exhaust_mass").unwrap_or(f64::NAN),
             level.unwrap_or(f64::NEG_INFINITY)
         );
     }

@@ -15,7 +15,7 @@ fn main() -> Result<(), nailnoise::Error> {
     let ambient = &design.ambient;
     let air = Air::at(ambient.temperature, ambient.pressure)?;
     let air = air.of_gas(ambient.gas_constant, ambient.heat_capacity_ratio)?;
-    let openings = exhaust::noise_of_openings(&design, &chain::cycle(&design)?)?;
+    let openings = exhaust::noise_of_openings(&design, &chain::shot(&design)?)?;
     // No direction of the jets is published; here they blow to the front, 1.2 m above the floor.
     let outlet = Outlet {
         position: [0.0, 0.0, 1.2],

@@ -1,4 +1,5 @@
-//! Speed of sound at 20 degC against ISO 9613-1:1993, 343.2 m/s: `cargo run --release --example 06_speed_of_sound`.
+//! Speed of sound at 20 degC compared with ISO 9613-1:1993, 343.2 m/s: `cargo run --release --example
+//! 06_speed_of_sound`.
 
 use nailnoise_acoustics::{Air, InputError};
 

@@ -1,5 +1,5 @@
-//! Transmission loss of an expansion chamber against its closed form, 10 lg(1 + (m - 1/m)^2/4 sin^2 kl), where m is
-//! the ratio of areas: `cargo run --release --example 07_expansion_chamber`.
+//! Transmission loss of an expansion chamber compared with its closed form, 10 lg(1 + (m - 1/m)^2/4 sin^2 kl), where m
+//! is the area ratio: `cargo run --release --example 07_expansion_chamber`.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::muffler::{MufflerChain, MufflerElement};
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         outlet_diameter: narrow,
         outlet_mach: 0.0,
     };
-    // A quarter of a wave in the chamber: sin kl = 1.
+    // A quarter wavelength in the chamber: sin kl = 1.
     let hz = air.sound_speed / (4.0 * length);
     let ratio: f64 = (wide / narrow).powi(2);
     let closed = 10.0 * (1.0 + 0.25 * (ratio - 1.0 / ratio).powi(2)).log10();

@@ -1,5 +1,5 @@
-//! Sound power of a control valve against IEC 60534-8-3:2010, table A.1, example 1:
-//! `cargo run --release --example 08_valve_noise`.
+//! Sound power of a control valve compared with IEC 60534-8-3:2010, table A.1, example 1: `cargo run --release
+//! --example 08_valve_noise`.
 
 use nailnoise_acoustics::jets::{ValveFlow, ValveNoise};
 

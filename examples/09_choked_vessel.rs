@@ -1,12 +1,12 @@
-//! Pressure in a vessel that discharges through a choked opening without heat, against the closed form
-//! P = P_0 (1 + (g - 1)/2 m'_0 t/m_0)^(-2g/(g - 1)): `cargo run --release --example 09_choked_vessel`.
+//! Pressure in a vessel that discharges adiabatically through a choked opening, compared with the closed form P = P_0
+//! (1 + (g - 1)/2 m'_0 t/m_0)^(-2g/(g - 1)): `cargo run --release --example 09_choked_vessel`.
 
 use nailnoise::Design;
 use nailnoise::design::inputs::cycle::parameters;
 use nailnoise_dynamics::{Geometry, Settings, simulate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // The volume above a head valve that does not move, one litre, discharges through the vent of the trigger.
+    // The volume above a fixed head valve, one litre, discharges through the trigger's vent.
     let mut p = parameters(&Design::load("designs/n80cb.toml")?)?;
     p.head_valve.mass = 1e3;
     p.contacts.seat_stiffness = 1e12;

@@ -1,5 +1,5 @@
-//! First longitudinal mode of a free rod of 20-node elements against sqrt(E/rho)/(2 l):
-//! `cargo run --release --example 10_rod`.
+//! First longitudinal mode of a free rod of 20-node elements compared with sqrt(E/rho)/(2 l): `cargo run --release
+//! --example 10_rod`.
 
 use nailnoise_fem::{Constraints, Material, ModalSettings, assemble, modes};
 use nailnoise_meshes::{Block, block};
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         divisions: [10, 1, 1],
         origin: [0.0; 3],
     })?;
-    // Points on the rod move along it only, and without Poisson's ratio its sections stay plane.
+    // Points of the rod move only along it, and with a Poisson's ratio of zero its cross-sections remain plane.
     let mut along = Constraints::free();
     for node in 0..mesh.nodes.len() {
         [1, 2].iter().for_each(|&axis| along.hold(node, axis));

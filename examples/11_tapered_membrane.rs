@@ -1,11 +1,11 @@
-//! First mode of a tapered membrane against NAFEMS FV32, 44.623 Hz:
-//! `cargo run --release --example 11_tapered_membrane`.
+//! First mode of a tapered membrane compared with NAFEMS FV32, 44.623 Hz: `cargo run --release --example
+//! 11_tapered_membrane`.
 
 use nailnoise_fem::{Constraints, Material, ModalSettings, assemble, modes};
 use nailnoise_meshes::{Block, block};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // 10 m long, 5 m high at its clamped root and 1 m at its tip; half of its thickness of 50 mm above the midplane.
+    // 10 m long, 5 m high at its clamped root and 1 m at its tip; half of the 50 mm thickness, above the midplane.
     let size = [10.0, 5.0, 0.025];
     let mut mesh = block(&Block {
         size,

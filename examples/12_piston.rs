@@ -1,5 +1,5 @@
-//! Radiation resistance of a piston in a baffle against 1 - J_1(2 ka)/ka, 0.4233 at ka = 1:
-//! `cargo run --release --example 12_piston`.
+//! Radiation resistance of a piston in a baffle compared with 1 - J_1(2 ka)/ka, 0.4233 at ka = 1: `cargo run --release
+//! --example 12_piston`.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use nailnoise_meshes::gauss_legendre;
 use nalgebra::{DMatrix, Point3, Vector3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // A unit disc: Gauss points in the radius, equal steps around.
+    // A unit disc: Gauss points in the radius, equal steps in angle.
     let (mut points, mut areas, around) = (Vec::new(), Vec::new(), 40);
     for (x, weight) in gauss_legendre(12) {
         let radius = 0.5 * (1.0 + x);

@@ -1,5 +1,5 @@
-//! Digests what lays values out in bytes, so that an entry of the cache is only read by a program that lays its values
-//! out alike.
+//! Digests the code that determines the byte layout of values, so that only programs with the same layout read each
+//! other's cache entries.
 
 use std::error::Error;
 use std::fs;
@@ -7,10 +7,10 @@ use std::path::PathBuf;
 
 use sha2::{Digest as _, Sha256};
 
-/// The code that writes and reads values.
+/// The code that serialises values.
 const LAYOUT: [&str; 2] = ["src/codec.rs", "src/store/checksum.rs"];
 
-/// The lock file fixes the formats of dependencies; a published package is built without that of the workspace.
+/// The lock file pins the serialisation formats of dependencies; a published package is built without the workspace's.
 const LOCK: &str = "../Cargo.lock";
 
 fn main() -> Result<(), Box<dyn Error>> {

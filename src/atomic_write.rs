@@ -1,9 +1,9 @@
-//! Files that take their places together: all of them, or none.
+//! Atomic writing of several files: either all are replaced or none.
 //!
-//! All files are first written next to their places, in a hidden folder of the same file system. Only renames follow.
-//! If one of them fails, those before it are undone, by copies if the system refuses renames, so that the folder is
-//! restored. Files that cannot be put back either way are left in the hidden folder, which the error names. A full disk
-//! is met before the first rename.
+//! All files are first written to a hidden folder on the same file system. After that, only renames are needed. If one
+//! of them fails, the preceding ones are undone, by copying if the system refuses renames, so that the folder is
+//! restored. Files that cannot be restored either way are left in the hidden folder, which the error names. A full disk
+//! is detected before the first rename.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write as _};
@@ -15,16 +15,16 @@ use nailnoise_meshes::temporary::{self, TemporaryFolder};
 use crate::error::Error;
 use crate::interrupt;
 
-/// Beginning of the folder's name for files that are written before they take their places.
+/// Prefix of the hidden folder's name.
 const UNFINISHED: &str = ".unfinished-";
 
-/// Name of the folder of the files that go.
+/// Name of the folder for files that are replaced or removed.
 const OLD: &str = "old";
 
-/// Moves a file or folder to another path of its file system.
+/// Moves a file or folder to another path on its file system.
 type Rename<'a> = &'a dyn Fn(&Path, &Path) -> io::Result<()>;
 
-/// Files that are being written for a folder; dropped without [`place`](Self::place) they are gone.
+/// Files being written for a folder; if dropped without [`place`](Self::place), they are deleted.
 #[derive(Debug)]
 pub struct AtomicWrite {
     folder: PathBuf,
@@ -34,8 +34,8 @@ pub struct AtomicWrite {
 }
 
 impl AtomicWrite {
-    /// For files that belong under `folder`, which is created if it does not exist. Half-written files of killed
-    /// processes there are removed.
+    /// Starts writing files for `folder`, which is created if it does not exist. Partial files of killed processes
+    /// there are removed.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -61,7 +61,7 @@ impl AtomicWrite {
         self.temporary.path().join(OLD)
     }
 
-    /// Writes a file next to its place `path`, relative to the folder, and waits until it is on the disk.
+    /// Writes a file that belongs at `path`, relative to the folder, and waits until it is on disk.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -72,8 +72,8 @@ impl AtomicWrite {
         })
     }
 
-    /// Writes a file like [`write`](Self::write), but lets the system decide when it reaches the disk: for files that a
-    /// later run compares with their expected content, and writes again after a power failure.
+    /// Like [`write`](Self::write), but the system decides when the file reaches the disk: for files that a later run
+    /// compares with their expected contents and rewrites after a power failure.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -81,7 +81,7 @@ impl AtomicWrite {
         self.fill(path, |file| file.write_all(bytes))
     }
 
-    /// Opens a file next to its place that is written bit by bit: for tables that do not fit in memory.
+    /// Opens a file for incremental writing, for tables that do not fit in memory.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -109,17 +109,17 @@ impl AtomicWrite {
         Ok(())
     }
 
-    /// Puts the files in their places and removes `outdated` files and folders. The file `last` represents all of them:
-    /// it is removed first and put back last, so that a process that is killed meanwhile leaves a folder without it.
+    /// Puts the files in place and removes `outdated` files and folders. The file `last` represents all of them: it is
+    /// removed first and put back last, so that a process killed in between leaves a folder without it.
     ///
     /// # Errors
-    /// [`Error::Write`]; the folder is then unchanged. [`Error::NotRestored`] with the place of the older files where
-    /// they could not be put back.
+    /// [`Error::Write`]; the folder is then unchanged. [`Error::NotRestored`] with the location of the old files if
+    /// they could not be restored.
     pub fn place(self, outdated: &[PathBuf], last: &Path) -> Result<(), Error> {
         self.place_by(&|from, to| fs::rename(from, to), outdated, last)
     }
 
-    /// Like [`place`](Self::place), by these renames.
+    /// Like [`place`](Self::place), with the given rename function.
     fn place_by(self, rename: Rename<'_>, outdated: &[PathBuf], last: &Path) -> Result<(), Error> {
         let mut paths = std::mem::take(&mut *self.written.lock().unwrap_or_else(PoisonError::into_inner));
         paths.sort_by_key(|path| path == last);
@@ -147,7 +147,7 @@ impl AtomicWrite {
     }
 }
 
-/// A file that is written bit by bit.
+/// A file that is written incrementally.
 #[derive(Debug)]
 pub struct GrowingFile {
     file: BufWriter<File>,
@@ -155,7 +155,7 @@ pub struct GrowingFile {
 }
 
 impl GrowingFile {
-    /// Adds bytes.
+    /// Appends bytes.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -163,7 +163,7 @@ impl GrowingFile {
         self.file.write_all(bytes).map_err(|source| failed(&self.place, source))
     }
 
-    /// Waits until all is on the disk.
+    /// Waits until everything is on disk.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -173,12 +173,12 @@ impl GrowingFile {
     }
 }
 
-/// Removes half-written files of killed processes from a folder.
+/// Removes partial files of killed processes from a folder.
 pub(crate) fn sweep(folder: &Path) {
     temporary::sweep(folder, UNFINISHED);
 }
 
-/// Writes one file completely: a killed process or a full disk leaves the old file or none.
+/// Writes one file atomically: if the process is killed or the disk is full, the old file or none remains.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -193,13 +193,13 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     staging.place(&[], name)
 }
 
-/// Whether a name is that of a file or folder in the same folder: not empty, no path, neither `.` nor `..`.
+/// Whether a name is that of a file or folder in the current folder: not empty, not a path, and neither `.` nor `..`.
 pub(crate) fn is_file_name(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)
 }
 
-/// Creates a folder with those above it.
+/// Creates a folder and its parents.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -214,12 +214,12 @@ fn failed(path: &Path, source: io::Error) -> Error {
     }
 }
 
-/// The renames under way, each of them reversible.
+/// The renames in progress, each of which can be undone.
 struct Swap<'a> {
     folder: &'a Path,
-    /// Folder of the files that come.
+    /// Folder of the new files.
     new: PathBuf,
-    /// Folder of the files that go.
+    /// Folder of the replaced files.
     old: PathBuf,
     rename: Rename<'a>,
     done: Vec<Step>,
@@ -227,11 +227,11 @@ struct Swap<'a> {
 
 /// A change of the folder.
 enum Step {
-    /// The object that was at this path is in the folder of old files.
+    /// The object at this path was moved to the folder of replaced files.
     SetAside(PathBuf),
     /// The new file is at this path.
     Placed(PathBuf),
-    /// This folder did not exist.
+    /// This folder was created.
     Created(PathBuf),
 }
 
@@ -246,7 +246,7 @@ impl Swap<'_> {
         Ok(())
     }
 
-    /// Moves away the object at a path, if there is any. A new file never takes the place of a folder.
+    /// Moves the object at a path away, if there is one. A new file never replaces a folder.
     fn set_aside(&mut self, path: &Path, may_be_folder: bool) -> Result<(), Error> {
         let from = self.folder.join(path);
         let moved = match fs::symlink_metadata(&from) {
@@ -277,14 +277,14 @@ impl Swap<'_> {
                 self.done.push(Step::Created(above));
             }
         }
-        // Nothing is there any more: some file systems (ext4) write a file to the disk before it replaces another.
+        // The path is free by now: some file systems (ext4) flush a file before it replaces another.
         (self.rename)(&self.new.join(path), &to).map_err(|source| failed(&to, source))?;
         self.done.push(Step::Placed(path.to_owned()));
         Ok(())
     }
 
-    /// Restores the folder; returns the files that could not be put back. The file that represents all others was set
-    /// aside first, so that it comes back last, and only if all others have.
+    /// Restores the folder; returns the files that could not be restored. The file that represents all others was moved
+    /// first, so it is restored last, and only if all others were.
     fn undo(&mut self) -> Vec<PathBuf> {
         let mut lost = Vec::new();
         while let Some(step) = self.done.pop() {
@@ -296,7 +296,7 @@ impl Swap<'_> {
                         lost.push(path);
                     }
                 }
-                // If the new file stays, the old one replaces it, or it is an additional file.
+                // If the new file cannot be removed, it is replaced by the old one, or remains as an additional file.
                 Step::Placed(path) => drop(fs::remove_file(self.folder.join(path))),
                 // Another process may use it by now.
                 Step::Created(folder) => drop(fs::remove_dir(folder)),
@@ -305,7 +305,7 @@ impl Swap<'_> {
         lost
     }
 
-    /// Moves a file or folder back; copies it where the system refuses to move it. A copy in part is removed.
+    /// Moves a file or folder back, or copies it if the system refuses to move it. A partial copy is removed.
     fn put_back(&self, from: &Path, to: &Path) -> io::Result<()> {
         if (self.rename)(from, to).is_ok() {
             return Ok(());
@@ -347,7 +347,7 @@ mod tests {
         folder
     }
 
-    /// Every file under a folder with its content.
+    /// Every file in a folder, with its contents.
     fn content(folder: &Path) -> Vec<(PathBuf, String)> {
         let mut found = Vec::new();
         for entry in fs::read_dir(folder).expect("a folder").flatten() {
@@ -402,7 +402,7 @@ mod tests {
         Ok(())
     }
 
-    /// The last but one of the files meets an obstacle when all others are in their places.
+    /// The second-to-last file meets an obstacle when all others are in place.
     #[test]
     fn a_folder_is_as_it_was_when_one_file_cannot_be_placed() -> Result<(), Error> {
         let folder = folder("undone");
@@ -415,7 +415,7 @@ mod tests {
         Ok(())
     }
 
-    /// Renames that fail from the given one on.
+    /// A rename function that fails from the given call onwards.
     fn failing_from(number: usize) -> impl Fn(&Path, &Path) -> io::Result<()> {
         let count = std::cell::Cell::new(0);
         move |from, to| {
@@ -427,7 +427,7 @@ mod tests {
         }
     }
 
-    /// Wherever the renames begin to fail, and although none succeeds afterwards.
+    /// Wherever the renames start to fail, even if none succeeds afterwards.
     #[test]
     fn a_folder_is_as_it_was_when_renames_fail_for_good() -> Result<(), Error> {
         let folder = folder("no-renames");
@@ -435,7 +435,7 @@ mod tests {
         fs::write(folder.join("film/frame"), "old").expect("a file");
         let before = content(&folder);
         let outdated = ["film", "part"].map(PathBuf::from);
-        // One for the file of all, one for each outdated folder, two for each of the others.
+        // One rename for the representative file, one for each outdated folder, two for each of the others.
         for number in 0..8 {
             let staging = staged(&folder, &["a", "new/c", "other", "whole"])?;
             let placed = staging.place_by(&failing_from(number), &outdated, Path::new("whole"));
@@ -449,7 +449,7 @@ mod tests {
         Ok(())
     }
 
-    /// The place of an old file is taken by a folder when the file is to come back.
+    /// A folder occupies the path of an old file when it is to be restored.
     #[test]
     fn what_cannot_be_put_back_is_left_where_the_error_says() -> Result<(), Error> {
         let folder = folder("lost");
@@ -475,7 +475,7 @@ mod tests {
             assert_eq!(fs::read_to_string(old.join(file)).expect("the old file"), "old");
         }
         assert!(!folder.join("whole").exists() && !folder.join("c").exists());
-        // Later work in the folder leaves them.
+        // Later operations in the folder leave them in place.
         drop(staged(&folder, &["b"])?);
         assert!(old.join("a").exists());
         let _ = fs::remove_dir_all(folder);

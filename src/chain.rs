@@ -1,25 +1,24 @@
-//! The chain from a design to ranked sources: which stage reads which, from top to bottom.
+//! The chain from a design to ranked sources: which stage reads which output.
 //!
-//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the
-//! outputs that a result needs, side by side, and ranks the sources.
+//! [`Chain::new`] adds the stages of a design to a graph without computing anything. [`Chain::run`] (`run.rs`) computes
+//! the outputs that a result needs, in parallel, and ranks the sources.
 
 mod bodies;
 mod context;
 mod cycle;
 mod motion;
 mod radiation;
-mod shape;
+mod reference;
 mod shot;
 
 use std::time::Instant;
-
-use nailnoise_dynamics::CycleRecord;
 
 use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
@@ -32,26 +31,26 @@ use crate::stages::{Digest, Stored};
 use bodies::Bodies;
 pub use bodies::{BodyStages, CheckedBody, check_bodies, solved_bodies};
 pub(crate) use context::Context;
-pub(crate) use cycle::cycle_stage;
-pub use cycle::{cycle, cycle_as_published};
+pub(crate) use cycle::engine;
+pub use cycle::{cycle, cycle_as_published, shot};
 pub(crate) use motion::{Drive, Motions};
 use radiation::Radiators;
-pub use shape::SharedShapes;
+pub use reference::SharedShapes;
 pub(crate) use shot::ShotStages;
 
-/// Changes of the physics for a run of the same design; for studies and tests of laws.
+/// Modifications of the physics for a run of the same design, used by studies and by tests of physical laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece if the cycle is coupled one way \[-\].
     pub workpiece_force_scale: f64,
-    /// Seed of the jets' noise at the microphones; its levels do not depend on it.
+    /// Seed of the jet noise at the microphones; levels do not depend on it.
     pub noise_seed: u32,
-    /// Shapes that other designs share.
+    /// Shapes shared with other designs.
     pub shared: SharedShapes,
 }
 
 impl Default for Options {
-    /// The design without changes.
+    /// No modifications.
     fn default() -> Self {
         Self {
             workpiece_force_scale: 1.0,
@@ -64,27 +63,29 @@ impl Default for Options {
 /// The stages of a design's shot.
 pub struct Chain {
     pub(crate) graph: Graph,
-    /// Requirements of a run on each body.
+    /// Preflight checks of each body.
     pub(crate) usable: Vec<Stored<Preflight>>,
-    /// When the run began.
+    /// Start time of the run.
     pub(crate) begin: Instant,
+    /// The engine of the cycle.
+    pub(crate) engine: Engine,
     /// The nailing cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Workpiece, and worktable if there is one.
     pub structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
     pub tool: Option<BodyStages>,
     /// Response of workpiece and support.
     pub vibration: Stored<Vibration>,
-    /// All elastic bodies in motion: the workpiece, its support, the tool.
+    /// All elastic bodies: the workpiece, its support, the tool.
     pub moving: Vec<MovingBody>,
     /// End of all records \[s\].
     pub end: Stored<f64>,
     /// The sources, in the order of their list.
     pub(crate) sources: Vec<SourceStages>,
-    /// Only the levels of all sources.
+    /// Levels of all sources, without further results.
     pub levels: Stored<Levels>,
-    /// Keys of modes and of radiation in standard air, which shots on the same structures share.
+    /// Keys of modes and of radiation in standard air, which are shared by shots with the same structures.
     pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
@@ -96,24 +97,33 @@ pub struct Chain {
     pub(crate) response_report: Stored<ResponseChecks>,
     /// Checks of an elastic tool.
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
-    /// The same shot one way, for a two-way coupled one.
+    /// The same shot with one-way coupling, if the shot is coupled two ways.
     pub(crate) one_way: Option<OneWay>,
-    /// As in [`Options`].
+    /// See [`Options`].
     pub(crate) noise_seed: u32,
 }
 
-/// A two-way coupled shot and the one-way shot of the same design.
+/// A shot with two-way coupling and the same design's shot with one-way coupling.
 pub(crate) struct OneWay {
     pub(crate) report: Stored<Reported>,
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
 }
 
 impl Chain {
     /// Adds the stages of a design to a graph.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
+        Self::with_engine(graph, design, cycle::engine(design)?, options)
+    }
+
+    /// The same with the nailing cycle of another design, whose modes and radiation matrices need not be computed. The
+    /// cycle drives the bodies one way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_engine(graph: &Graph, design: &Design, engine: Engine, options: Options) -> Result<Self, Error> {
         let begin = Instant::now();
         let context = Context {
             graph,
@@ -124,12 +134,14 @@ impl Chain {
         let bodies = Bodies::add(graph, design)?;
         let radiators = Radiators::add(context, &bodies)?;
         let drive = Drive {
-            lumped: graph.add(cycle_stage(design)?),
+            lumped: graph.add(engine.clone()),
+            engine: engine.clone(),
             force_scale: options.workpiece_force_scale,
         };
         let motions = Motions::new(context, &bodies, &radiators, drive)?;
         let shot = ShotStages::add(context, &motions, options.noise_seed)?;
-        let added = sources::ALL.into_iter().map(|source| source.add(&shot));
+        let present = sources::ALL.into_iter().filter(|source| source.is_present(&engine));
+        let added = present.map(|source| source.add(&shot));
         let sources = added.collect::<Result<Vec<SourceStages>, Error>>()?;
         let sensors = Sensors {
             accelerometers: inputs::sensors::accelerometers(design)?,
@@ -147,6 +159,7 @@ impl Chain {
         });
         let modal = bodies.modal().map(|body| *body.key());
         Ok(Self {
+            engine: engine.clone(),
             moving: shot.moving(),
             graph: graph.clone(),
             begin,
@@ -176,6 +189,13 @@ impl Chain {
             structure: bodies.structure.clone(),
             tool: bodies.tool.clone(),
         })
+    }
+}
+
+impl Chain {
+    /// Names of the sources of the tool.
+    pub fn source_names(&self) -> impl Iterator<Item = &'static str> {
+        self.sources.iter().map(|own| own.source.name())
     }
 }
 
@@ -210,7 +230,7 @@ mod tests {
     use crate::stages::sound_fields::FieldMethod;
     use radiation::workpiece_radiation;
 
-    /// Beginnings of keys whose values reach no mesh, no mode and no load vector.
+    /// Prefixes of keys that affect neither meshes nor modes nor load vectors.
     const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
 
     /// Keys of the stages of all bodies.
@@ -241,7 +261,7 @@ mod tests {
         assert_eq!(before[1..], after[1..]);
     }
 
-    /// Key of the tool's order of elimination.
+    /// Key of the elimination order of the tool.
     fn order(design: &Design) -> Digest {
         let geometry = inputs::bodies::geometry(design, BodyKind::Tool, false).unwrap();
         let graph = Graph::default();

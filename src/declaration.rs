@@ -5,7 +5,8 @@
 //! ```
 //!
 //! L and K are stated separately, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws
-//! of a study: inputs from their ranges and errors of the methods replace the scatter of measurements and of machines.
+//! of a study: the ranges of inputs and the errors of methods take the role of the scatter of measurements and
+//! machines.
 
 use serde::Deserialize;
 
@@ -13,7 +14,7 @@ use crate::comparison::Input;
 use crate::result::{Declaration, DesignId, EarReport, Ends, Performance, RunStudy, StudySummary, Total};
 use crate::study::tolerance::STATED_FROM;
 
-/// The 95 % quantile of the standard normal distribution, by which K follows from sigma_t (ISO 4871, A.2).
+/// The 95 % quantile of the standard normal distribution, with which K is derived from sigma_t (ISO 4871, A.2).
 const QUANTILE: f64 = 1.645;
 
 /// A finished result as far as a declaration needs it.
@@ -77,7 +78,7 @@ pub fn rounded(db: f64) -> i32 {
     (db + 0.5).floor() as i32
 }
 
-/// The declaration of a run whose level of sound power is this \[dB\], with K from its study.
+/// The declaration of a run with this sound power level \[dB\], with K from its study.
 pub fn declaration(lwa_db: Option<f64>, ear: &EarReport, study: &RunStudy) -> Declaration {
     let (k, k_not_stated) = match uncertainty(study) {
         Ok(k) => (Some(k), None),
@@ -94,7 +95,7 @@ pub fn declaration(lwa_db: Option<f64>, ear: &EarReport, study: &RunStudy) -> De
     }
 }
 
-/// K \[dB\] and the origin of its sigma, or why K is not stated.
+/// K \[dB\] and the origin of its sigma, or the reason why K is not stated.
 fn uncertainty(study: &RunStudy) -> Result<(i32, String), String> {
     let study: &StudySummary = match study {
         RunStudy::Known(study) => study,
@@ -114,7 +115,7 @@ fn uncertainty(study: &RunStudy) -> Result<(i32, String), String> {
     Ok((rounded(QUANTILE * deviation), basis))
 }
 
-/// The declaration in two lines. A missing statement is replaced by its reason.
+/// The declaration in two lines. A missing value is replaced by the reason.
 pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
     let level = |db: Option<i32>| db.map_or_else(|| "not stated: silent".to_owned(), |db| format!("{db} dB"));
     let k = match (own.k_db, &own.k_basis) {
@@ -222,7 +223,7 @@ mod tests {
         }))
     }
 
-    /// K is stated or its absence has a reason, never both.
+    /// Either K is stated or its absence has a reason, never both.
     #[test]
     fn k_is_half_the_interval_of_a_study_that_states_percentiles() {
         let of = |study: &RunStudy| declaration(Some(102.3), &ear(None), study);

@@ -8,9 +8,12 @@ use nailnoise_dynamics::network::RunError;
 use nailnoise_pipeline::{PipelineError, StageError};
 use thiserror::Error;
 
+use crate::comparison::ComparisonError;
 use crate::design::DesignError;
+use crate::stages::bodies::BodyError;
+use crate::study::StudyError;
 
-/// Why a command could not do its work.
+/// Reason why a command failed.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
@@ -22,7 +25,7 @@ pub enum Error {
     #[error("the page cannot be served on this machine: {source}")]
     #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
     Serve {
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// The design file is wrong.
@@ -35,14 +38,14 @@ pub enum Error {
     /// The cycle of an assembly could not be computed.
     #[error("the cycle of this assembly cannot be computed")]
     Network(#[source] Box<RunError>),
-    /// An option for the tool of a design, given with an assembly.
+    /// An option that applies only to a design, given with an assembly.
     #[error("{option} is an option for a design without `[cycle]`")]
     #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
     OfDesign {
         /// The option.
         option: &'static str,
     },
-    /// A figure of the shot that does not exist.
+    /// An output of the shot that does not exist.
     #[error("there is no output \"{name}\"")]
     #[diagnostic(help("choose from the groups speed, penetration, events, forces, masses, all, or from {known}"))]
     NoSuchOutput {
@@ -51,7 +54,7 @@ pub enum Error {
         /// All names.
         known: String,
     },
-    /// A parameter for whose sensitivity there is nothing to go by.
+    /// A parameter with no basis for a sensitivity.
     #[error("`{key}` is not a quantity of the nailing cycle with a range")]
     #[diagnostic(help("{}", match nearest {
         Some(near) => format!("is it `{near}`?"),
@@ -60,46 +63,22 @@ pub enum Error {
     NoSuchParameter {
         /// The key given.
         key: String,
-        /// The parameter most like it, if one is near.
+        /// The most similar parameter, if one is close.
         nearest: Option<String>,
     },
-    /// No draw of a study has levels.
-    #[error("the levels of none of {draws} draws can be computed; first reason: {reason}")]
-    NoLevels {
-        /// How many draws count.
-        draws: usize,
-        /// Why those of the first cannot be computed.
-        reason: String,
-    },
-    /// Levels of a draw that another process was to compute.
-    #[error("its levels are not kept")]
-    LevelsNotKept,
-    /// No candidate of a study is a design whose shot counts.
-    #[error(
-        "none of {candidates} candidates gives a shot that counts: {}",
-        outcomes_and_reasons(outcomes, refused)
-    )]
-    #[diagnostic(help("{}", if require.is_empty() {
-        "narrow the ranges: their values are incompatible".to_owned()
-    } else {
-        format!("remove `require = \"{require}\"` from [study], or narrow the ranges")
-    }))]
-    NothingDrawn {
-        /// Candidates drawn.
-        candidates: u64,
-        /// Counts of their outcomes.
-        outcomes: String,
-        /// Counts of those that are not valid designs, by the reason.
-        refused: String,
-        /// Outcomes that count.
-        require: String,
-    },
+    /// A study or a sweep cannot be computed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Study(#[from] StudyError),
+    /// An optimisation cannot begin.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Optimisation(#[from] crate::optimisation::OptimisationError),
     /// The Python package cannot be called.
     #[error("{python} cannot import nailnoise and {needed}: {reason}")]
     #[diagnostic(help(
-        "install it in the repository, pip install './python[{}]', or name an interpreter that has it in \
-         NAILNOISE_PYTHON",
-        if *needed == "optuna" { "optimise" } else { "cluster" }
+        "install it in the repository, pip install './python[cluster]', or name an interpreter that has it in \
+         NAILNOISE_PYTHON"
     ))]
     NoPython {
         /// The interpreter.
@@ -109,16 +88,16 @@ pub enum Error {
         /// Message of the program.
         reason: String,
     },
-    /// Python was ended from outside.
+    /// The Python process was ended from outside.
     #[error("the Python process was ended by signal {signal}")]
     #[diagnostic(help(
         "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
     ))]
     PythonEnded {
-        /// Number of the signal; 0 if it is unknown.
+        /// Number of the signal; 0 if unknown.
         signal: u8,
     },
-    /// A study that is to come with the program is of a design that does not.
+    /// A study to be shipped with the program belongs to a design that is not.
     #[error("`--provide` writes studies of shipped designs, and `{design}` is none")]
     #[diagnostic(help(
         "give a file of the folder `designs` of the repository; the study of any other design is in its `study.json`"
@@ -126,18 +105,6 @@ pub enum Error {
     NotShipped {
         /// Its name.
         design: String,
-    },
-    /// A ranking of groups of inputs over drawn structures.
-    #[error(
-        "`--groups` and `--structures` exclude each other: every partner of a draw would need a structure of its own"
-    )]
-    #[diagnostic(help(
-        "rank the groups on the structures of the design, without --structures; `{study} --structures` states beside \
-         it what structures add"
-    ))]
-    GroupsOfStructures {
-        /// The command without both.
-        study: String,
     },
     /// A cluster did not complete its work.
     #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
@@ -150,72 +117,14 @@ pub enum Error {
         /// Exit status of the client.
         status: u8,
     },
-    /// Draws that tasks were to compute are not there.
-    #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
-    #[diagnostic(help(
-        "run the tasks that are missing, with the same design, draws and seed; without --collect, this command \
-         computes what is missing"
-    ))]
-    NotCollected {
-        /// Draws that are not stored.
-        missing: usize,
-        /// All draws.
-        draws: usize,
-        /// The store where they should be.
-        store: PathBuf,
-    },
-    /// A finished result contains no ranges to draw from.
-    #[error("{} is a finished result, from which nothing can be drawn", path.display())]
-    #[diagnostic(help("give the design file itself, or leave --draws out"))]
-    NothingToDraw {
-        /// The result.
-        path: PathBuf,
-    },
-    /// The variable of a sweep cannot be a value of a design.
-    #[error("the sweep cannot vary this: {error}")]
-    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
-    NoAxis {
-        /// The fault.
-        error: crate::design::AssignmentError,
-    },
-    /// A sweep of too many points.
-    #[error("the grid of the sweep has more than {most} points")]
-    #[diagnostic(help("give fewer values, or sweep the keys one after the other"))]
-    SweptTooMuch {
-        /// Points of a grid at most.
-        most: usize,
-    },
-    /// A key that a sweep is to vary twice.
-    #[error("the sweep varies `{key}` twice")]
-    #[diagnostic(help("give all its values at once, as in {key}=3,5,12"))]
-    VariedTwice {
-        /// The key.
-        key: String,
-    },
-    /// A sweep over nothing.
-    #[error("the sweep has no key to vary")]
-    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
-    NothingToVary,
-    /// Values of a draw conflict.
-    #[error("the values drawn are no design: {reason}")]
-    NoDesign {
-        /// The conflicting keys, or the fault of one of them.
-        reason: String,
-    },
+    /// Results cannot be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Comparison(#[from] ComparisonError),
     /// Penetration laws could not be compared.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
-    /// One design has nothing to be compared with.
-    #[error("{} alone has nothing to be compared with", path.display())]
-    #[diagnostic(help(
-        "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for \
-         the published ones"
-    ))]
-    NothingToCompare {
-        /// The design.
-        path: std::path::PathBuf,
-    },
     /// A design whose support the wrapping test does not have.
     #[error("{design}: a wrapping test has its workpiece on the worktable or in the sandbox, not on \"{support}\"")]
     #[diagnostic(help("set support.kind = \"worktable\" or \"sandbox\""))]
@@ -224,22 +133,6 @@ pub enum Error {
         design: String,
         /// Its support.
         support: &'static str,
-    },
-    /// Measured levels over another range than those of a design.
-    #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} \
-        Hz", path.display(), measured[0], measured[1],
-        predicted[0], predicted[1])]
-    #[diagnostic(help("add --set \"analysis.range_low={} Hz\" --set \"analysis.range_high={} \
-        Hz\"", measured[0], measured[1]))]
-    MeasuredRange {
-        /// The file of measurements.
-        path: PathBuf,
-        /// Its range \[Hz\].
-        measured: [f64; 2],
-        /// Name of the design.
-        design: String,
-        /// Its range \[Hz\].
-        predicted: [f64; 2],
     },
     /// A measurement cannot be used.
     #[error(transparent)]
@@ -269,10 +162,10 @@ pub enum Error {
     /// Radiation or exhaust could not be computed.
     #[error("the sound power of a source cannot be computed")]
     Acoustics(#[from] nailnoise_acoustics::AcousticsError),
-    /// The rows of a table have not as many fields as its header.
+    /// The rows of a table do not have as many fields as its header.
     #[error("a table cannot be written")]
     Table(#[from] csv::Error),
-    /// The chosen support does not include a body of this name.
+    /// The chosen support does not include this body.
     #[error("the design \"{design}\" has no {body}: its support is a {support}")]
     #[diagnostic(help("choose --body workpiece, or set support.kind = \"worktable\""))]
     NoSuchBody {
@@ -283,44 +176,10 @@ pub enum Error {
         /// Support of its workpiece.
         support: &'static str,
     },
-    /// A part of the user's mesh without a material in the design.
-    #[error("the mesh has the part \"{part}\", for which the design has no material")]
-    #[diagnostic(help("name its volumes {known}"))]
-    UnknownPart {
-        /// Name of the part.
-        part: String,
-        /// The names there may be.
-        known: String,
-    },
-    /// A spring is not on its body.
-    #[error("the spring \"{spring}\" is {:.1} mm outside its body", distance * 1e3)]
-    #[diagnostic(help("move its x, y and z onto the body"))]
-    SpringOutside {
-        /// Its name.
-        spring: String,
-        /// Its distance from the body \[m\].
-        distance: f64,
-    },
-    /// The meshed tool is heavier than the tool.
-    #[error("the meshed tool body weighs {meshed:.3} kg, more than `tool.mass` = {tool:.3} kg")]
-    #[diagnostic(help("thin its walls, or raise `tool.mass`"))]
-    TooHeavy {
-        /// Mass of the mesh \[kg\].
-        meshed: f64,
-        /// Mass of the cycle's tool \[kg\].
-        tool: f64,
-    },
-    /// The meshed tool has another mass than the tool of the cycle.
-    #[error("the tool body weighs {found:.3} kg, the tool of the cycle `tool.mass` = {tool:.3} kg")]
-    #[diagnostic(help(
-        "set `body.lumped = true` for what the mesh lacks of the mass, or set `tool.mass = \"{found:.3} kg\"`"
-    ))]
-    OtherMass {
-        /// Mass of the meshed tool with its lumped masses \[kg\].
-        found: f64,
-        /// Mass of the cycle's tool \[kg\].
-        tool: f64,
-    },
+    /// A body cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Body(#[from] BodyError),
     /// Several faults that prevent a run from using a body.
     #[error("the {body} cannot be used: {} problems", problems.len())]
     #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]
@@ -331,231 +190,31 @@ pub enum Error {
         #[related]
         problems: Vec<Self>,
     },
-    /// The user's mesh of the tool does not have a surface for a lumped mass.
-    #[error(
-        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\"; the mesh has no such surface; it has: \
-         {known}"
-    )]
-    #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
-         with \
-         surface = \"{group}\"), set its share in `body.lumped_nose` and `body.lumped_magazine`, or set \
-         `body.lumped = false` and `tool.mass` to that of the mesh"
-    ))]
-    NoSeat {
-        /// Name of the surface.
-        group: &'static str,
-        /// Mass that it would carry \[kg\].
-        mass: f64,
-        /// The names there are.
-        known: String,
-    },
-    /// The mesh of the tool body does not name where a force of the shot acts.
-    #[error("the mesh of the tool body has no surface \"{group}\" for {what}; it has: {known}")]
-    #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
-         with \
-         surface = \"{group}\"), or set `body.model = \"rigid\"`; the axis of the cylinder is x = y = 0, its bore \
-         `piston.bore`, z is up from the tip of the nose"
-    ))]
-    NoLoadSurface {
-        /// Name of the surface.
-        group: &'static str,
-        /// The load that acts there.
-        what: &'static str,
-        /// The names there are.
-        known: String,
-    },
-    /// A surface of the tool body is not where the design has a force.
-    #[error("no part of the surface \"{group}\" of the tool body is where {what} act")]
-    #[diagnostic(help(
-        "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and \
-         `head_valve.outer_diameter`: \
-         the valve strikes the cap between them"
-    ))]
-    NoneOfSurface {
-        /// Name of the surface.
-        group: &'static str,
-        /// The load that acts there.
-        what: &'static str,
-    },
-    /// A place of the design is on no face of its body.
-    #[error("no face with that outward direction lies at the position of the surface \"{entry}\"")]
-    #[diagnostic(help("move its x, y and z onto the face; along_x, along_y and along_z point out of the body there"))]
-    SurfaceOutside {
-        /// Its name in the design.
-        entry: String,
-        /// Distance of the nearest face that looks its way \[m\]; none if there is none.
-        distance: Option<f64>,
-    },
-    /// A cap that cannot be separated from the rest of the body.
-    #[error("{} of {} panels of the tool's outline are its cap", panels[0], panels[1])]
-    NoCapSurface {
-        /// Name of the surface in the file of a body; none for the parametric one.
-        surface: Option<&'static str>,
-        /// Panels of the cap, and of all of the outline.
-        panels: [usize; 2],
-    },
-    /// A surface within the tool that is open to the outside.
-    #[error("the tool's surface `{surface}`, the wall of an enclosed volume of air, lies in the open air")]
-    #[diagnostic(help("close the gap in the wall around that volume"))]
-    OpenCavity {
-        /// Name of the surface.
-        surface: String,
-    },
-    /// Pieces of a body that nothing joins.
-    #[error(
-        "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, \
-         {:.1}, \
-         {:.1}) mm", volume * 1e6, centre[0] * 1e3, centre[1] * 1e3, centre[2] * 1e3
-    )]
-    #[diagnostic(help(
-        "let the pieces share nodes (gmsh: BooleanFragments or Coherence), name their contact surfaces NAME_slave and \
-         NAME_master to tie them, or remove the loose piece"
-    ))]
-    LoosePiece {
-        /// The body.
-        body: &'static str,
-        /// Number of pieces.
-        pieces: usize,
-        /// Volume of the smallest \[m3\].
-        volume: f64,
-        /// Its centroid \[m\].
-        centre: [f64; 3],
-    },
-    /// Pieces of a body cannot be tied according to its surfaces.
-    #[error("the pieces of the {body} cannot be joined: {cause}")]
-    #[diagnostic(help(
-        "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; \
-         mesh \
-         curved ones more finely"
-    ))]
-    NotTied {
-        /// The body.
-        body: &'static str,
-        /// Why.
-        cause: nailnoise_fem::FemError,
-    },
-    /// A file that is read in a wrong unit.
-    #[error("{} shows {what} that is {found}; expected are {expected}", path.display())]
-    #[diagnostic(help("{remedy}"))]
-    Extent {
-        /// The file.
-        path: PathBuf,
-        /// The part that it represents.
-        what: &'static str,
-        /// How long it is and with which unit.
-        found: String,
-        /// How long it may be.
-        expected: String,
-        /// The unit to give.
-        remedy: String,
-    },
-    /// A sensor that is not on its body.
-    #[error("the sensor \"{sensor}\" is {:.4} mm outside the {body}", 1e3 * distance)]
-    SensorOffBody {
-        /// Its name.
-        sensor: String,
-        /// Its body.
-        body: &'static str,
-        /// Its distance from the body \[m\].
-        distance: f64,
-    },
-    /// A mesh of block or table whose sides are not those that radiate.
-    #[error(
-        "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \
-         `support.worktable.mesh` are others"
-    )]
-    #[diagnostic(help(
-        "give the mesh's dimensions (workpiece.length, width, thickness; support.worktable.length, width, height, \
-         top_thickness, leg_width), or set acoustics.method = \"erp\"; on a floor, clamped or on springs a block \
-         radiates from the faces of its own mesh"
-    ))]
-    NotBoxes {
-        /// Place of the difference.
-        #[source]
-        cause: nailnoise_acoustics::AcousticsError,
-    },
-    /// A microphone or the operator's ear that is too close to a body for the pressure there.
-    #[error("a microphone or the operator's ear is too close to a body")]
-    #[diagnostic(help(
-        "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \
-         follow the \
-         nail's place and the tool's height"
-    ))]
-    MicrophoneNearSurface {
-        /// Its place and its distance.
-        #[source]
-        cause: nailnoise_acoustics::ReceiverError,
-    },
-    /// Modes that the cache lost came out otherwise when they were computed once more.
-    #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]
-    #[diagnostic(help(
-        "they come from another machine or were damaged: empty it with `nailnoise cache clear` and run again"
-    ))]
-    OtherModes {
-        /// The body.
-        body: &'static str,
-    },
     /// The mode does not exist.
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]
     NoMode {
-        /// Its number, from 1.
+        /// Its number, starting at 1.
         mode: usize,
-        /// How many there are.
+        /// Number of modes.
         modes: usize,
     },
-    /// A design has several bodies.
+    /// A design has several bodies, so one must be named.
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
-    /// Keys belong to designs.
+    /// Keys can be set only for designs.
     #[error("`{}` is no design, so that it has no key to set", path.display())]
     #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
     NothingToSet {
         /// The file given.
         path: PathBuf,
     },
-    /// Only a design has the dimensions that a drawing shows.
+    /// A drawing needs the dimensions of a design.
     #[error("`{}` is not a design: it has no keys to draw", path.display())]
     #[diagnostic(help("leave --drawing out, or name a design file (.toml)"))]
     DrawingOfMesh {
         /// The file given.
-        path: PathBuf,
-    },
-    /// A geometry without a design does not have a frequency.
-    #[error("a geometry alone does not tell how fine its mesh must be")]
-    #[diagnostic(help(
-        "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
-    ))]
-    NoSize,
-    /// A unit for a file that states its own.
-    #[error(
-        "{} states the unit of its lengths, and {given_in} gives {given} for one unit", path.display()
-    )]
-    #[diagnostic(help(
-        "leave {given_in} out: STEP and IGES files, and meshes written by this program, are read in the unit that \
-         they state; a file \
-         that states a wrong one must be exported again"
-    ))]
-    StatedUnit {
-        /// The file.
-        path: PathBuf,
-        /// The unit given.
-        given: String,
-        /// The option or key that gives it.
-        given_in: &'static str,
-    },
-    /// A solid of a file that is not a solid geometry.
-    #[error("{} is no solid geometry, so that --solid has nothing to choose from", path.display())]
-    #[diagnostic(help(
-        "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid \
-         NUMBER --write PART.msh` \
-         makes a mesh that a design can name"
-    ))]
-    NoSolids {
-        /// The file.
         path: PathBuf,
     },
     /// A universal file cannot be used.
@@ -579,7 +238,7 @@ pub enum Error {
         /// The universal file.
         path: PathBuf,
     },
-    /// A design whose name cannot be that of a folder.
+    /// The name of a design cannot be the name of a folder.
     #[error(
         "the design file {} has the name \"{name}\", which cannot be the name of a folder for its \
          results", path.display()
@@ -597,7 +256,7 @@ pub enum Error {
     #[error("cannot write to standard output: {source}")]
     #[diagnostic(help("free space where the output goes, or send it elsewhere; files that were written are whole"))]
     Output {
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A file could not be written.
@@ -608,10 +267,10 @@ pub enum Error {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
-    /// A file could not be written, and not all files that had been moved for it could be put back.
+    /// A file could not be written, and some files that had been moved for it could not be put back.
     #[error(
         "cannot write {}: {source}; {} of the older files could not be put back: they are in {}", path.display(),
         files.len(), folder.display()
@@ -620,21 +279,21 @@ pub enum Error {
     NotRestored {
         /// The file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
         /// Folder with the older files.
         folder: PathBuf,
         /// Their paths in it.
         files: Vec<String>,
     },
-    /// A file to be written is there already.
+    /// A file to be written already exists.
     #[error("{} is there already, and nothing has been written", path.display())]
     #[diagnostic(help("choose another name, or move it away"))]
     Exists {
         /// The file.
         path: PathBuf,
     },
-    /// A design would be written under the name of its base.
+    /// A design would overwrite its base.
     #[error("{} is the name of a base of this design", path.display())]
     #[diagnostic(help("choose another name for the design; its base is written beside it"))]
     NameOfBase {
@@ -650,7 +309,7 @@ pub enum Error {
         /// The variable that would name the folder.
         variable: &'static str,
     },
-    /// A shell is not named although its completions are requested.
+    /// Completions are requested without the name of a shell.
     #[error("which shell you use is not known")]
     #[diagnostic(help("name it: nailnoise completions bash --install"))]
     NoShell,
@@ -661,7 +320,7 @@ pub enum Error {
         /// The name given.
         name: String,
     },
-    /// The folder of the cache is missing, or its limit makes no sense.
+    /// The folder of the cache is missing, or its limit is not valid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoCache(#[from] crate::store::StoreError),
@@ -671,7 +330,7 @@ pub enum Error {
     Store {
         /// The folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A finished result could not be read.
@@ -680,32 +339,8 @@ pub enum Error {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
-    },
-    /// A file is not a result of a run.
-    #[error("{} is no result that can be compared: {reason}", path.display())]
-    #[diagnostic(help("give the `result.json` of this version's `nailnoise run`, or the design, which is then run"))]
-    NotAResult {
-        /// The file.
-        path: PathBuf,
-        /// The fault of the file.
-        reason: String,
-    },
-    /// The numbers of a finished result cannot be or do not agree.
-    #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
-    #[diagnostic(help(
-        "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"
-    ))]
-    Inconsistent {
-        /// The file.
-        path: PathBuf,
-        /// Path of the number in it.
-        at: String,
-        /// Actual content.
-        found: String,
-        /// Expected content.
-        expected: String,
     },
     /// A name that a list does not have.
     #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
@@ -716,17 +351,17 @@ pub enum Error {
         list: &'static str,
         /// The name given.
         name: String,
-        /// The name most like it, if one is near.
+        /// The most similar name, if one is close.
         nearest: Option<String>,
     },
-    /// A name for a list that is always printed in full.
+    /// A name given for a list that is always printed in full.
     #[error("{list} are listed as a whole")]
     #[diagnostic(help("leave the name out: `nailnoise list designs`; `nailnoise list woods NAME` prints one wood"))]
     ListName {
         /// The list.
         list: &'static str,
     },
-    /// No design of another tool can be made.
+    /// Scaling to another tool is impossible.
     #[error(transparent)]
     #[diagnostic(help("{}", .0.remedy()))]
     Scaling(#[from] crate::scaling::ScalingError),
@@ -789,21 +424,11 @@ impl StageError for Error {
     }
 }
 
-/// Fate of candidates if none counts: outcomes of shots, and reasons why others are not valid designs.
-fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
-    let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
-    let parts = (!outcomes.is_empty())
-        .then(|| outcomes.to_owned())
-        .into_iter()
-        .chain(refused);
-    parts.collect::<Vec<_>>().join("; ")
-}
-
 impl Error {
-    /// Fails with the problems of a body, if there are any; a single problem is the error itself.
+    /// Fails if a body has problems; a single problem is returned as the error itself.
     ///
     /// # Errors
-    /// That one, or [`Self::Unusable`].
+    /// The single problem, or [`Self::Unusable`].
     pub(crate) fn of_body(body: &'static str, mut problems: Vec<Self>) -> Result<(), Self> {
         match problems.len() {
             0 => Ok(()),
@@ -812,7 +437,7 @@ impl Error {
         }
     }
 
-    /// The single problems within an error.
+    /// The individual problems within an error.
     pub(crate) fn parts(self) -> Vec<Self> {
         match self {
             Self::Unusable { problems, .. } => problems.into_iter().flat_map(Self::parts).collect(),
@@ -820,12 +445,12 @@ impl Error {
         }
     }
 
-    /// Whether a surface for a force is absent.
+    /// Whether the error is that a surface for a force is missing.
     pub(crate) fn lacks(&self, surface: &str) -> bool {
-        matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
+        matches!(self, Self::Body(BodyError::NoLoadSurface { group, .. }) if *group == surface)
     }
 
-    /// The error in one line, followed by causes and remedy.
+    /// The error in one line, with causes and remedy.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
         let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
@@ -833,12 +458,13 @@ impl Error {
         format!("{self}{causes}{help}")
     }
 
-    /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
+    /// Exit status of the command: 2 for incorrect use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
-            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
+            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
+            Self::Study(StudyError::NoLevels { .. }) => 3,
             Self::PythonEnded { .. } => 3,
             Self::Network(error) => match **error {
                 RunError::Integration { .. }

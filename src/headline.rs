@@ -1,4 +1,4 @@
-//! The headline of a design's shot, with the inputs that would change it most.
+//! The headline of a design's shot, with the inputs that affect it most.
 
 use std::path::Path;
 
@@ -14,16 +14,16 @@ pub use crate::stages::headline::{Figure, Headline, Influence, sentence, unlike}
 use crate::stages::headline::{Influences, Miss, Moved};
 use crate::study::{Axis, SweptPoint, at_point, taking_part};
 
-/// Interval of the samples of cycles with other inputs: the slow motion of the tool needs no finer one \[s\].
+/// Sampling interval of cycles with other inputs \[s\]; the slow motion of the tool needs none finer.
 const SAMPLES: f64 = 50e-6;
 
-/// The headline of a shot of a design; none if the nail is driven and the exhaust opens.
+/// The headline of a shot of a design; `None` if the nail is driven and the exhaust opens.
 ///
-/// Each input that has a range and takes part in the cycle is set to both ends of it, with a lumped workpiece whatever
-/// the coupling of the design. These cycles are computed only for a headline, and cached.
+/// Each input of the cycle that has a range is set to both ends of it, with a lumped workpiece regardless of the
+/// coupling of the design. These cycles are computed only for a headline, and cached.
 ///
 /// # Errors
-/// Those of the cycle's parameters.
+/// The errors of the cycle's parameters.
 pub fn headline(graph: &Graph, design: &Design, record: &CycleRecord) -> Result<Option<Headline>, Error> {
     let own = parameters(design)?;
     let Some((mut headline, miss)) = Headline::of(record, &own).zip(Miss::of(record.outcome)) else {
@@ -63,10 +63,10 @@ pub fn headline(graph: &Graph, design: &Design, record: &CycleRecord) -> Result<
     Ok(Some(headline))
 }
 
-/// Adds the inputs that would change it most to the first headline of a sweep.
+/// Adds the most influential inputs to the first headline of a sweep.
 ///
 /// # Errors
-/// Those of the design of that point, and of its cycle.
+/// The errors of the design of that point and of its cycle.
 pub fn explain_first(
     graph: &Graph,
     base: (&Path, &[Assignment]),
@@ -80,8 +80,8 @@ pub fn explain_first(
     Ok(())
 }
 
-/// Lines that come before the levels of a sweep: that the shots do not end alike, and how the first ended that does not
-/// drive.
+/// Lines printed above the levels of a sweep: that the shots do not have the same outcome, and the outcome of the first
+/// that does not drive.
 pub fn alarms(points: &[SweptPoint]) -> Vec<String> {
     let computed: Vec<&SweptPoint> = points.iter().filter(|point| point.levels.is_some()).collect();
     let name = |point: &SweptPoint| point.values.join(", ");

@@ -1,6 +1,6 @@
 //! Signals that request the process to end (Ctrl-C, `kill`, a closed terminal): half-written files are removed, and the
-//! command ends with status 130. Signals of limits (`ulimit -t`, `ulimit -f`, no memory) end it with words and a
-//! separate status.
+//! command ends with status 130. Signals of resource limits (`ulimit -t`, `ulimit -f`, out of memory) end the command
+//! with a message and a separate status.
 
 use std::io::Write as _;
 #[cfg(unix)]
@@ -13,10 +13,10 @@ use nailnoise_meshes::temporary;
 /// Exit status of an interrupted command.
 const INTERRUPTED: i32 = 130;
 
-/// Last words of an interrupted command.
+/// Last message of an interrupted command.
 const ON_REQUEST: &str = "interrupted: nothing is left half-written, what was computed for later runs is kept";
 
-/// Exit status of a command that a limit of the system ended.
+/// Exit status of a command that a resource limit ended.
 #[cfg(unix)]
 const LIMITED: i32 = 2;
 
@@ -27,11 +27,11 @@ const FAILED: i32 = 3;
 /// Whether the process has been interrupted.
 static UNDER_WAY: AtomicBool = AtomicBool::new(false);
 
-/// Held while files take their places together, and for good by an interruption.
+/// Held while files are moved to their final places together, and permanently by an interruption.
 static PLACING: Mutex<()> = Mutex::new(());
 
-/// Ends this process cleanly on SIGINT, SIGTERM or SIGHUP. A signal that the caller has the process ignore stays
-/// ignored: `nohup` does so with SIGHUP, and a shell with SIGINT for a command in the background.
+/// Ends this process cleanly on SIGINT, SIGTERM or SIGHUP. Signals that the caller has set to be ignored stay ignored:
+/// `nohup` does this with SIGHUP, and a shell with SIGINT for commands in the background.
 #[cfg(unix)]
 pub(crate) fn install() {
     use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ};
@@ -41,8 +41,8 @@ pub(crate) fn install() {
     let wanted = [SIGINT, SIGTERM, SIGHUP, SIGXCPU]
         .into_iter()
         .filter(|signal| ignored & (1 << (signal - 1)) == 0);
-    // Without a handler, or without a thread for it, the signals end the process at once; the next run removes the
-    // files left by this one.
+    // Without a handler or a thread for it, the signals end the process at once; the next run removes the files left by
+    // this one.
     if let Ok(mut signals) = Signals::new(wanted) {
         let handle = signals.handle();
         let serve = move || match signals.forever().next() {
@@ -59,20 +59,21 @@ pub(crate) fn install() {
             handle.close();
         }
     }
-    // With a handler, a file that would exceed `ulimit -f` is an error of the write, which names the file.
+    // With a handler, a file that would exceed `ulimit -f` causes a write error, which names the file.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
-    // Without memory the standard library reports it and aborts.
+    // If memory runs out, the standard library reports it and aborts.
     let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, FAILED, Arc::new(AtomicBool::new(true)));
 }
 
 /// Ends this process cleanly when it is interrupted.
 #[cfg(not(unix))]
 pub(crate) fn install() {
-    // A second command in the same process finds the first one's handler in place.
+    // A second command in the same process finds the handler of the first one installed.
     let _ = ctrlc::set_handler(|| end(ON_REQUEST, INTERRUPTED));
 }
 
-/// The signals that this process ignores, one bit each, the lowest for signal 1. Only Linux lets safe code query them.
+/// The signals that this process ignores, one bit each; the lowest bit stands for signal 1. Only Linux allows safe code
+/// to query them.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -82,23 +83,23 @@ fn ignored() -> u64 {
 }
 
 fn end(text: &str, status: i32) {
-    // Files that are taking their places come first; none begins to afterwards.
+    // Files being moved to their places are completed; no others are started.
     let _placing = undisturbed();
     UNDER_WAY.store(true, Ordering::SeqCst);
-    // A terminal that was closed takes no message.
+    // A closed terminal accepts no message.
     let _ = writeln!(std::io::stderr(), "{text}");
     let _own = temporary::remove_all();
     std::process::exit(status);
 }
 
-/// As long as the guard lives no interruption ends this process: for short work that must be done completely or not at
+/// While the guard exists, no interruption ends this process: for short work that must be done completely or not at
 /// all.
 pub(crate) fn undisturbed() -> MutexGuard<'static, ()> {
     PLACING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Leaves the end of the process to an interruption that is under way: a command whose folder is taken from it fails,
-/// and that failure is not reported.
+/// Waits for an interruption in progress to end the process. A command whose folder is being removed fails, and that
+/// failure is not reported.
 pub(crate) fn give_way() {
     while UNDER_WAY.load(Ordering::SeqCst) {
         std::thread::park();

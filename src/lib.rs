@@ -2,14 +2,15 @@
 //!
 //! [`design`] reads the design file, and [`model`] turns it into a support and sources of sound, one file each.
 //! [`chain`] assembles their stages, and [`run`] ranks the sources. [`output`] makes the files of a run, [`figures`]
-//! and [`drawing`] draw it, and [`report`] makes a page of it; [`artifacts`] stores all of it for the next run.
-//! [`study`] and [`sensitivity`] quantify how the ranges of a design affect its shot, and [`comparison`] sets results
-//! side by side.
+//! and [`drawing`] draw its charts, and [`report`] makes a page of it; [`artifacts`] stores the results for the next
+//! run. [`study`] and [`sensitivity`] quantify how the ranges of a design affect its shot, and [`comparison`] compares
+//! results.
 //!
-//! [`measurement`] takes the recordings of a test to levels; [`virtual_test`] makes such recordings from a design and
-//! compares it with measured levels. [`verification`] computes public benchmarks. [`penetration`] compares penetration
-//! laws, [`scaling`] makes a design of another tool, and [`cost`] estimates the cost of a run before it begins.
-//! [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all of it.
+//! [`measurement`] converts the recordings of a test to levels; [`virtual_test`] makes such recordings from a design
+//! and compares it with measured levels. [`verification`] computes public benchmarks. [`penetration`] compares
+//! penetration laws, [`scaling`] makes a design of another tool, and [`cost`] estimates the cost of a run before it
+//! begins. [`watch`] serves the page of a design that is being edited, and [`commands`] is the command line for all of
+//! this.
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
@@ -28,6 +29,7 @@ pub mod graph;
 pub mod headline;
 mod interrupt;
 pub mod model;
+pub mod optimisation;
 pub mod output;
 pub mod penetration;
 pub mod report;

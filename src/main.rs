@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use mimalloc::MiMalloc;
 
-/// A shot touches gigabytes of short-lived memory, which the system's allocator returns and requests again page by
+/// A shot uses gigabytes of short-lived memory, which the system's allocator would return and request again page by
 /// page.
 #[global_allocator]
 static MEMORY: MiMalloc = MiMalloc;

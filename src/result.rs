@@ -9,6 +9,7 @@ mod study;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use crate::stages::cycle::{EventTimes, SummaryFigures};
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
@@ -41,9 +42,9 @@ pub struct RunResult {
     /// Version of the layout; it changes when a reader of the old layout would misread the new one.
     #[schemars(extend("const" = SCHEMA))]
     pub schema: &'static str,
-    /// Which design this is of.
+    /// The design of this result.
     pub design: DesignId,
-    /// Every value of the design and where it comes from.
+    /// Every value of the design with its origin.
     pub inputs: Vec<Input>,
     /// The sources, loudest first.
     pub ranking: Vec<RankedSource>,
@@ -52,18 +53,19 @@ pub struct RunResult {
     /// Intervals of the levels and P(first) from the draws of a study, or why they are not stated.
     pub study: RunStudy,
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
-    /// or `does_not_exhaust`.
-    pub outcome: Outcome,
+    /// or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
+    pub outcome: String,
     /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that
     /// would change that most. Absent for a shot that drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub headline: Option<Headline>,
     /// Figures of the shot.
-    pub cycle: Summary,
-    /// Reserve of the drive, air a shot, and rate.
-    pub performance: Performance,
-    /// Event times t0..t18 \[s\]; null where one does not occur.
-    pub events: Events,
+    pub cycle: SummaryFigures,
+    /// Reserve of the drive, air a shot, and rate; absent for an assembly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub performance: Option<Performance>,
+    /// Event times \[s\], t0..t18 or those that an assembly names; null where one does not occur.
+    pub events: EventTimes,
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
@@ -74,11 +76,11 @@ pub struct RunResult {
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Starts>,
-    /// What the design's sensors measure, by name.
+    /// Measured values of the design's sensors, by name.
     pub sensors: Vec<SensorLevel>,
-    /// What the design's pressure transducers read.
+    /// Readings of the design's pressure transducers.
     pub transducers: Vec<TransducerRange>,
-    /// What microphones around the device measure, beside what is radiated.
+    /// Measurement by microphones around the device, next to what is radiated.
     pub microphones: MicrophoneReport,
     /// Emission sound pressure at the operator's ear, for a declaration.
     pub ear: EarReport,
@@ -86,12 +88,12 @@ pub struct RunResult {
     pub declaration: Declaration,
     /// Checks of every stage.
     pub checks: Vec<Check>,
-    /// What a reader must know of the shot, of the values of the design, and of sources of which there is only an
+    /// What a reader must know about the shot, the values of the design, and sources for which there is only an
     /// estimate.
     pub notes: Vec<String>,
     /// Ranges, errors and limits of the methods.
     pub method_notes: Vec<String>,
-    /// Wall time of each stage and of the whole run \[s\]; some stages run side by side.
+    /// Wall time of each stage and of the complete run \[s\]; some stages run in parallel.
     #[schemars(with = "BTreeMap<String, f64>")]
     pub timing: Timing,
 }
@@ -102,7 +104,7 @@ impl RunResult {
         schema_of::<Self>()
     }
 
-    /// The common range as text, `50 to 10000 Hz`; none without bands.
+    /// The common range as text, `50 to 10000 Hz`; `None` without bands.
     pub(crate) fn range(&self) -> Option<String> {
         let bands = &self.ranking.first()?.bands;
         Some(format!("{} to {} Hz", bands.first()?.hz, bands.last()?.hz))
@@ -118,7 +120,7 @@ pub(crate) fn schema_of<T: JsonSchema>() -> Schema {
         .into_root_schema_for::<T>()
 }
 
-/// Turns the description of a schema from the text of rustdoc into plain text in one line.
+/// Converts the description of a schema from rustdoc to plain text in one line.
 fn unescape(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
         let plain = [("\\[", "["), ("\\]", "]"), ("[`", "`"), ("`]", "`"), ("\n", " ")];
@@ -146,7 +148,7 @@ pub struct CycleFigures<'a> {
     pub events: &'a Events,
     /// Figures of the shot.
     pub summary: &'a Summary,
-    /// Energy by its ways.
+    /// Energy flows.
     pub energy: &'a EnergyFlow,
     /// Changes of contacts and valves.
     pub log: &'a [LogEntry],
@@ -177,12 +179,12 @@ pub struct Input {
     pub value: crate::design::Value,
     /// SI unit; empty for plain numbers, counts, switches and choices.
     pub unit: String,
-    /// Range of plausible values, in SI units; null where there is none.
+    /// Range of plausible values, in SI units; null if there is none.
     pub range: Option<[f64; 2]>,
-    /// Where the range comes from; null without one.
+    /// Origin of the range; null without one.
     #[serde(default)]
     pub range_origin: Option<crate::design::RangeOrigin>,
-    /// Where the value comes from.
+    /// Origin of the value.
     pub provenance: crate::design::Provenance,
 }
 
@@ -208,7 +210,7 @@ pub struct RankedSource {
     pub lwa_db: Option<f64>,
     /// The same without weighting.
     pub lw_db: Option<f64>,
-    /// Part of the total A-weighted energy \[-\].
+    /// Fraction of the total A-weighted energy \[-\].
     pub share: f64,
     /// How it was computed.
     pub method: String,
@@ -218,20 +220,20 @@ pub struct RankedSource {
     pub lwa_own_range_db: Option<f64>,
     /// One-third-octave bands of the common range.
     pub bands: Vec<BandLevel>,
-    /// Parts of the source, summing to it.
+    /// Parts of the source, whose sum is the source.
     pub components: Vec<Component>,
-    /// How far the method may be off.
+    /// Possible error of the method.
     pub uncertainty_db: Uncertainty,
-    /// The same quantity by an independent method, where there is one.
+    /// The same quantity from an independent method, if there is one.
     pub cross_check: Option<CrossCheck>,
-    /// What stands beside the power of a surface that is evaluated twice; null for the equivalent radiated power, an
+    /// Comparison of two evaluations of a surface's power; null for the equivalent radiated power, which is an
     /// estimate.
     pub radiation: Option<RadiationReport>,
-    /// What the source radiates between neighbouring events; the energies sum to its own.
+    /// Sound radiated between adjacent events; the energies sum to that of the source.
     pub intervals: Vec<IntervalLevel>,
 }
 
-/// The largest by a level; none if all are silent.
+/// The item with the largest level; `None` if all are silent.
 pub(crate) fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
     let with_levels = items.iter().filter_map(|item| Some((item, level(item)?)));
     with_levels.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
@@ -253,41 +255,41 @@ impl RankedSource {
 }
 
 /// Sound power as EN 12549 measures it, at the nine positions of ISO 3744 on a parallelepiped around the device above a
-/// reflecting plane, beside the power that is radiated.
+/// reflecting plane, next to the radiated power.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct MicrophoneReport {
     /// Half sides a and b and height c of the parallelepiped \[m\].
     pub box_m: [f64; 3],
     /// Its area S \[m2\].
     pub area_m2: f64,
-    /// Places of the microphones relative to the device's axis and the reflecting plane \[m\].
+    /// Positions of the microphones relative to the device's axis and the reflecting plane \[m\].
     pub positions_m: Vec<[f64; 3]>,
-    /// Range of all levels and of the files of sound \[Hz\]; neither holds anything outside.
+    /// Range of all levels and of the sound files \[Hz\]; neither contains anything outside.
     pub range_hz: [f64; 2],
-    /// Pressure of a full-scale sample in the files of sound \[Pa\].
+    /// Pressure of a full-scale sample in the sound files \[Pa\].
     pub full_scale_pa: f64,
     /// Each source alone, without room and background.
     pub sources: Vec<ReceivedSource>,
-    /// All sources at once, in the design's room with its background.
+    /// All sources together, in the design's room with its background.
     pub total: ArrayMeasurement,
 }
 
-/// Levels of a declaration in the dual-number form of ISO 4871, each rounded to the nearest decibel. K is one for all
-/// of them: that of the sound power, as no study draws the directivity.
+/// Levels of a declaration in the dual-number form of ISO 4871, each rounded to the nearest decibel. All share the same
+/// K, that of the sound power, because no study draws the directivity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Declaration {
     /// L_WA,1s \[dB re 1 pW s\]; null when silent.
     pub lwa_1s_db: Option<i32>,
     /// L_pA,1s at the operator's ear \[dB re 20 uPa\]; null when silent.
     pub lpa_1s_db: Option<i32>,
-    /// L_pC,peak there \[dB re 20 uPa\]; null when silent, or where `ear.not_stated` says why.
+    /// L_pC,peak there \[dB re 20 uPa\]; null when silent, or if `ear.not_stated` gives a reason.
     pub lpc_peak_db: Option<i32>,
-    /// K = 1.645 sigma over the draws of a study, inputs and methods \[dB\]; null where it is not stated: without a
-    /// study of at least 32 draws, or where the design contradicts its draws.
+    /// K = 1.645 sigma over the draws of a study, for inputs and methods \[dB\]. Null if it is not stated: without a
+    /// study of at least 32 draws, or if the design contradicts its draws.
     pub k_db: Option<i32>,
-    /// Where sigma comes from; null without K.
+    /// Origin of sigma; null without K.
     pub k_basis: Option<String>,
-    /// Why K is not stated; null where it is.
+    /// Reason why K is not stated; null if it is.
     #[serde(default)]
     pub k_not_stated: Option<String>,
 }
@@ -295,18 +297,18 @@ pub struct Declaration {
 /// Emission sound pressure of all sources at the operator's ear, without room and background.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EarReport {
-    /// The ear relative to the middle of the block's underside, z up \[m\].
+    /// Position of the ear relative to the centre of the block's underside, z up \[m\].
     pub position_m: [f64; 3],
     /// A-weighted level L_pA,1s of one shot over 1 s \[dB re 20 uPa\]; null when silent.
     pub lpa_1s_db: Option<f64>,
-    /// Part of that exposure which is synthetic: above the frequencies to which phases are known \[-\].
+    /// Synthetic fraction of that exposure: above the frequencies up to which phases are known \[-\].
     pub synthetic_share: f64,
     /// C-weighted peak level L_pC,peak \[dB re 20 uPa\]; null when silent, or not stated.
     pub lpc_peak_db: Option<f64>,
-    /// C-weighted peak level of the complete signal, whose phases are partly drawn where the peak is not stated: one
-    /// draw among many \[dB re 20 uPa\]; null when silent.
+    /// C-weighted peak level of the complete signal \[dB re 20 uPa\]; null when silent. If the peak is not stated, the
+    /// phases are partly drawn, so that this is one draw among many.
     pub lpc_peak_signal_db: Option<f64>,
-    /// Why L_pC,peak is not stated; null where it is.
+    /// Reason why L_pC,peak is not stated; null if it is.
     pub not_stated: Option<String>,
     /// Loudness of each source, and of all of them as `total`, by ISO 532-1:2017 for time-varying sounds.
     #[serde(default)]
@@ -319,7 +321,7 @@ pub struct EarReport {
 pub struct SourceLoudness {
     /// Its name, or `total`.
     pub source: String,
-    /// Greatest loudness N_max \[sone\]; null above 120 dB in a band up to 250 Hz, where the standard ends.
+    /// Maximum loudness N_max \[sone\]; null above 120 dB in a band up to 250 Hz, where the standard ends.
     pub n_max_sone: Option<f64>,
     /// Loudness level of N_max \[phon\].
     pub level_phon: Option<f64>,
@@ -327,45 +329,46 @@ pub struct SourceLoudness {
     pub time_s: Option<f64>,
 }
 
-/// A source at the microphones.
+/// A source measured by the microphones.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct ReceivedSource {
     /// Its name.
     pub source: String,
-    /// How its sound is carried to a place.
+    /// How its sound is propagated to a receiver.
     pub how: String,
-    /// Frequencies over which it is heard and compared \[Hz\].
+    /// Frequencies over which it is received and compared \[Hz\].
     pub range_hz: [f64; 2],
     /// Frequency above which its signals are synthetic \[Hz\]: they have the energy and the power over time of the
-    /// source, and phases that are drawn or chosen; null where the phases are the model's over the whole range.
+    /// source, but phases that are drawn or chosen. Null if the phases are those of the model over the complete range.
     pub synthetic_from_hz: Option<f64>,
-    /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone \[-\]; null where
+    /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone \[-\]; null if
     /// none are interpolated.
     pub interpolation_error: Option<f64>,
-    /// Microphone by microphone.
+    /// Levels at each microphone.
     pub levels: Vec<MicrophoneLevel>,
-    /// A-weighted level by the microphones, mean L_E + 10 lg S \[dB re 1 pW s\]; null when silent.
+    /// A-weighted level from the microphones, mean L_E + 10 lg S \[dB re 1 pW s\]; null when silent.
     pub lwa_db: Option<f64>,
     /// Level of the power radiated over the same range \[dB re 1 pW s\].
     pub true_lwa_db: Option<f64>,
-    /// One-third-octave bands that lie in the range, unweighted: by the microphones and radiated \[dB re 1 pW s\].
+    /// One-third-octave bands in the range, unweighted: from the microphones and radiated \[dB re 1 pW s\].
     pub bands: Vec<MicrophoneBand>,
 }
 
-/// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add in
-/// levels of power: interference of block and tool, which changes single low bands by up to a decibel, is in `levels`
-/// alone.
+/// All sources together by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. In power levels, the
+/// energies of the sources are added: the interference of block and tool, which changes some low bands by up to a
+/// decibel, appears only in `levels`.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ArrayMeasurement {
-    /// Microphone by microphone, direct sound alone: of the sum of all pressures, which the files of the total hold.
+    /// Levels at each microphone, for the direct sound alone: from the sum of all pressures, which the sound files of
+    /// the total contain.
     pub levels: Vec<MicrophoneLevel>,
     /// A-weighted mean level with room and background \[dB re (20 uPa)2 s\]; null when silent.
     pub lpa_db: Option<f64>,
-    /// Correction for the background \[dB\]; null where it is too loud for a valid measurement.
+    /// Background correction \[dB\]; null if the background is too loud for a valid measurement.
     pub k1_db: Option<f64>,
-    /// Correction for the room \[dB\].
+    /// Room correction \[dB\].
     pub k2_db: f64,
-    /// A-weighted level by the microphones \[dB re 1 pW s\]; null when silent or not valid.
+    /// A-weighted level from the microphones \[dB re 1 pW s\]; null when silent or not valid.
     pub lwa_db: Option<f64>,
     /// Level of the power radiated over the same ranges \[dB re 1 pW s\].
     pub true_lwa_db: Option<f64>,
@@ -387,13 +390,13 @@ pub struct MicrophoneLevel {
 pub struct MicrophoneBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
     pub hz: f64,
-    /// By the microphones; null when silent.
+    /// From the microphones; null when silent.
     pub lw_db: Option<f64>,
     /// Radiated; null when silent.
     pub true_lw_db: Option<f64>,
 }
 
-/// Two methods for one quantity.
+/// Comparison of two methods for one quantity.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct CrossCheck {
     /// The quantity.
@@ -402,7 +405,7 @@ pub struct CrossCheck {
     pub lw_db: Option<f64>,
     /// The other method.
     pub other: Cow<'static, str>,
-    /// Its unweighted level by that \[dB re 1 pW s\]; null when silent.
+    /// Its unweighted level by the other method \[dB re 1 pW s\]; null when silent.
     pub other_lw_db: Option<f64>,
 }
 
@@ -413,12 +416,12 @@ impl IntervalLevel {
     }
 }
 
-/// What a source radiates between two events, A-weighted, over the common range.
+/// Sound radiated by a source between two events, A-weighted, over the common range.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct IntervalLevel {
     /// Event at its start, `t0` to `t18`; `start` for the beginning of the record.
     pub from: String,
-    /// Event at its end; `end` for all that follows the last event.
+    /// Event at its end; `end` for everything after the last event.
     pub to: String,
     /// Start \[s\].
     pub from_s: f64,
@@ -426,11 +429,11 @@ pub struct IntervalLevel {
     pub to_s: f64,
     /// Single-event level of the energy radiated in it \[dB re 1 pW s\]; null when silent.
     pub lwa_db: Option<f64>,
-    /// The level that a measurement finds, which cuts the signal at both events: cuts add energy
-    /// \[dB re 1 pW s\]; null when silent.
+    /// The level found by a measurement that cuts the signal at both events, which adds energy \[dB re 1 pW s\]; null
+    /// when silent.
     pub lwa_cut_db: Option<f64>,
-    /// Energies of both levels \[J\] where one is negative and has no level: the source absorbs more than it radiates.
-    /// Absent elsewhere.
+    /// Energies of both levels \[J\] if one is negative and has no level: the source absorbs more than it radiates.
+    /// Absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energies_j: Option<[f64; 2]>,
 }
@@ -457,8 +460,8 @@ pub struct BandLevel {
     pub lw_db: Option<f64>,
     /// The same with A weighting.
     pub lwa_db: Option<f64>,
-    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it
-    /// radiates. Absent elsewhere.
+    /// Unweighted and A-weighted energy \[J\] if one is negative and has no level: the part absorbs more than it
+    /// radiates. Absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energies_j: Option<[f64; 2]>,
 }
@@ -485,35 +488,35 @@ pub struct Component {
     pub lwa_db: Option<f64>,
     /// The same without weighting.
     pub lw_db: Option<f64>,
-    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it
-    /// radiates. Absent elsewhere.
+    /// Unweighted and A-weighted energy \[J\] if one is negative and has no level: the part absorbs more than it
+    /// radiates. Absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energies_j: Option<[f64; 2]>,
     /// One-third-octave bands of the common range.
     pub bands: Vec<BandLevel>,
 }
 
-/// What an accelerometer measures of the shot.
+/// Measurement of a shot by an accelerometer.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SensorLevel {
     /// Its name in the design.
     pub name: String,
-    /// What it is fixed to: `workpiece`, `worktable`, `sand` or `tool`.
+    /// The body to which it is fixed: `workpiece`, `worktable`, `sand` or `tool`.
     pub body: &'static str,
-    /// Root mean square of the acceleration over 1 s that holds the shot alone, (int a^2 dt / 1 s)^1/2 \[g, 9.80665
-    /// m/s2\].
+    /// Root mean square of the acceleration over a period of 1 s that contains only the shot, (int a^2 dt / 1 s)^1/2
+    /// \[g, 9.80665 m/s2\].
     pub rms_g: f64,
     /// Largest magnitude of the acceleration \[g\].
     pub peak_g: f64,
 }
 
-/// What a pressure transducer reads of the shot. A piezoelectric one has no static pressure: it reads changes from the
-/// trigger on.
+/// Readings of a pressure transducer during a shot. A piezoelectric one measures no static pressure: it reads changes
+/// from the trigger on.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct TransducerRange {
     /// Its name in the design.
     pub name: String,
-    /// Where it is: `cylinder` or `return`.
+    /// Its chamber: `cylinder` or `return`.
     pub chamber: &'static str,
     /// Lowest reading \[Pa\].
     pub lowest_pa: f64,
@@ -521,21 +524,21 @@ pub struct TransducerRange {
     pub highest_pa: f64,
 }
 
-/// What coupling the structures two ways changes against driving them one way.
+/// Differences between coupling the structures two ways and driving them one way.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Coupling {
     /// Event times.
     pub events: Vec<EventChange>,
-    /// Figures of the shot, those of [`nailnoise_dynamics::Summary`], SI.
+    /// Figures of the shot, as in [`nailnoise_dynamics::Summary`], in SI units.
     pub figures: Vec<FigureChange>,
     /// Levels of the sources and of all together.
     pub levels: Vec<LevelChange>,
-    /// How cycle and structure found each other.
+    /// Iterations with which cycle and structure were coupled.
     pub work: nailnoise_dynamics::CouplingWork,
 }
 
-/// Linear motion of a source with the air's impedance frozen at each mode's resonance, as a contact that opens needs
-/// it, beside that with the complete impedance Z = R + jX of every frequency.
+/// Linear motion of a source with the air's impedance frozen at each mode's resonance, as a contact that can open
+/// requires, compared with the complete impedance Z = R + jX at every frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FluidLoadingChange {
     /// The source.
@@ -544,22 +547,22 @@ pub struct FluidLoadingChange {
     pub frozen_lwa_db: Option<f64>,
     /// The same with the complete one.
     pub complete_lwa_db: Option<f64>,
-    /// Whether the complete one acts on the motion of this run. Otherwise its contact opens or acts back on the cycle:
-    /// both levels are those of the same shot one way with the contact bonded.
+    /// Whether the complete impedance acts on the motion of this run. If not, its contact can open or acts back on the
+    /// cycle: both levels are those of the same shot computed one way with the contact bonded.
     pub complete_acts: bool,
 }
 
 impl FluidLoadingChange {
-    /// Level with the complete impedance less that with the frozen one \[dB\].
+    /// Level with the complete impedance minus that with the frozen one \[dB\].
     pub fn change_db(&self) -> Option<f64> {
         Some(self.complete_lwa_db? - self.frozen_lwa_db?)
     }
 }
 
-/// Levels of the workpiece for starts that differ by gaps of 1 um under the block.
+/// Levels of the workpiece for starts that differ by gaps of 1 um below the block.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Starts {
-    /// A-weighted single-event level of each start, that of the run first \[dB re 1 pW s\].
+    /// A-weighted single-event level of each start \[dB re 1 pW s\]; the first is that of the run.
     pub lwa_db: Vec<f64>,
     /// Their mean \[dB re 1 pW s\].
     pub mean_lwa_db: f64,
@@ -572,22 +575,22 @@ pub struct Starts {
 pub struct EventChange {
     /// `t1` to `t18`.
     pub event: String,
-    /// Time one way \[s\]; null where it does not occur.
+    /// Time one way \[s\]; null if it does not occur.
     pub one_way_s: Option<f64>,
-    /// Time two ways \[s\]; null where it does not occur.
+    /// Time two ways \[s\]; null if it does not occur.
     pub two_way_s: Option<f64>,
 }
 
 /// One figure of the shot in both runs.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FigureChange {
-    /// Its name in the shot's figures.
+    /// Its name among the figures of the shot.
     pub figure: &'static str,
     /// Its SI unit.
     pub unit: &'static str,
-    /// One way; null where there is none.
+    /// Value one way; null if there is none.
     pub one_way: Option<f64>,
-    /// Two ways; null where there is none.
+    /// Value two ways; null if there is none.
     pub two_way: Option<f64>,
 }
 

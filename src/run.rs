@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level};
-use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};
 use crate::declaration;
@@ -17,7 +16,9 @@ use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult,
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
+use crate::stages::cycle::{EngineRecord, EventTimes, ShotRecord};
 use crate::stages::microphones::Microphones;
+use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
 use crate::stages::sound::{SoundSource, SourceHistory};
@@ -31,7 +32,7 @@ pub struct Run {
     /// The ranked sources with events, checks and notes.
     pub result: RunResult,
     /// The nailing cycle.
-    pub record: Arc<CycleRecord>,
+    pub record: Arc<ShotRecord>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
     /// Quantities of the sources at every sample of the cycle.
@@ -52,12 +53,12 @@ pub fn run(graph: &Graph, design: &Design, options: Options) -> Result<Run, Erro
     Chain::new(graph, design, options)?.run(design)
 }
 
-/// Why a run that nobody has told of a study states no intervals.
+/// Reason why a run states no intervals if no study was looked for.
 const UNKNOWN: &str = "no study was looked for";
 
 impl RunResult {
-    /// States the intervals of a study in the result: they decide K. A contradiction of the design and its draws is a
-    /// check that fails, in front of the others.
+    /// States the intervals of a study in the result; they determine K. If the design contradicts its draws, a failed
+    /// check is inserted before the others.
     pub fn state_study(&mut self, study: RunStudy) {
         let before = self.study.contradiction();
         self.checks
@@ -67,7 +68,7 @@ impl RunResult {
         self.study = study;
     }
 
-    /// The checks of the computation, without that of the design against its draws.
+    /// The checks of the computation, without the check of the design against its draws.
     pub fn numerical_checks(&self) -> impl Iterator<Item = &Check> {
         let contradiction = self.study.contradiction();
         let own = move |check: &&Check| contradiction.as_ref().is_none_or(|other| other.name != check.name);
@@ -87,7 +88,7 @@ impl Chain {
 
     /// Levels of linear motion with the frozen and the complete impedance of the air.
     fn fluid_loading_changes(&self, range_hz: [f64; 2]) -> Result<Vec<FluidLoadingChange>, Error> {
-        // A part counts to the source that makes it here, in any convention.
+        // In any convention, a part is assigned here to the source that makes it.
         let level = |energy: &Stored<Apart<SourceSpectrum>>| {
             let energy = energy.get()?;
             let parts = energy.parts().into_iter();
@@ -110,14 +111,14 @@ impl Chain {
         compared.map(change).collect()
     }
 
-    /// Energies of the sources in the same shot one way.
+    /// Energies of the sources in the same shot, computed one way.
     fn one_way_energies(&self) -> Result<Vec<SourceSpectrum>, Error> {
         let energies = self.sources.iter().filter_map(|own| own.compared.one_way.as_ref());
         let energies = energies.map(|energy| Ok(Apart::clone(&*energy.get()?)));
         Ok(spectra(&energies.collect::<Result<Vec<_>, Error>>()?))
     }
 
-    /// Levels of other starts of a source that can lose contact, with the name of the source.
+    /// Levels from other starts of a source that can lose contact, with the name of the source.
     fn starts(&self) -> Result<Option<(&'static str, Starts)>, Error> {
         for own in &self.sources {
             if let Some(starts) = &own.compared.starts
@@ -137,7 +138,7 @@ impl Chain {
         self.ranked(design).map_err(|error| located(design, error))
     }
 
-    /// Surfaces of the bodies that the program recognised.
+    /// Surfaces of the bodies that the program has recognised.
     fn guessed(&self) -> Result<Vec<String>, Error> {
         let mut guessed = Vec::new();
         for usable in &self.usable {
@@ -148,10 +149,10 @@ impl Chain {
         Ok(guessed)
     }
 
-    /// Checks the requirements of a run on its bodies, before any is solved.
+    /// Checks what a run requires of its bodies, before any of them is solved.
     ///
     /// # Errors
-    /// Those of meshes, and of bodies that a run cannot use.
+    /// The errors of meshes, and of bodies that a run cannot use.
     pub(crate) fn check_bodies(&self) -> Result<(), Error> {
         let usable: Vec<&dyn Input<Error>> = self.usable.iter().map(|usable| usable as &dyn Input<Error>).collect();
         self.graph.prepare(&usable)
@@ -173,18 +174,30 @@ impl Chain {
         let truncations: Vec<&Truncation> = sounds.iter().flat_map(|sound| &sound.truncations).collect();
         let named = self.sources.iter().zip(&sounds);
         let of_sources = named.clone().map(|(own, sound)| (own.notes)(sound));
+        let absent = SourceNotes {
+            shot: inputs::assembly::absent_sources(&self.engine),
+            methods: Vec::new(),
+        };
         let fluid_loading = named.filter_map(|(own, sound)| {
             let report = sound.source().radiation.as_ref()?;
             Some((own.source.name(), report.fluid_loading.as_ref()?))
         });
-        let parameters = inputs::cycle::parameters(design)?;
-        let headline = headline(&self.graph, design, &record)?;
+        let (headline, sentence, performance) = match &record.record {
+            EngineRecord::Keys(own) => {
+                let parameters = inputs::cycle::parameters(design)?;
+                let performance = Performance::of(own, &parameters);
+                (
+                    headline(&self.graph, design, own)?,
+                    sentence(own, &parameters),
+                    Some(performance),
+                )
+            }
+            EngineRecord::Assembly(_) => (None, inputs::notes::outcome_of_assembly(&record), None),
+        };
         let notes = notes::notes(
             &notes::NoteInputs {
-                shot: headline
-                    .as_ref()
-                    .map_or_else(|| sentence(&record, &parameters), |own| own.text.clone()),
-                sources: of_sources.collect::<Result<_, Error>>()?,
+                shot: headline.as_ref().map_or(sentence, |own| own.text.clone()),
+                sources: of_sources.chain([Ok(absent)]).collect::<Result<_, Error>>()?,
                 fluid_loading: fluid_loading.collect(),
                 fluid_loading_changes: &fluid_loading_changes,
                 truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
@@ -252,11 +265,11 @@ impl Chain {
             inputs: design.entries().into_iter().map(Into::into).collect(),
             ranking,
             total,
-            outcome: record.outcome,
+            outcome: record.outcome.clone(),
             headline,
-            cycle: record.summary.clone(),
-            performance: Performance::of(&record, &parameters),
-            events: record.events,
+            cycle: record.figures.clone(),
+            performance,
+            events: EventTimes(record.events.clone()),
             coupling,
             fluid_loading_changes,
             starts: starts.map(|(_, starts)| starts),

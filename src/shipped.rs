@@ -1,7 +1,7 @@
-//! Designs and measurements that come with the program, in the program itself: it needs no other files, wherever it is
-//! installed.
+//! Designs and measurements that come with the program. They are compiled into it, so that it needs no other files
+//! wherever it is installed.
 
-/// Files of the folder `designs`, by their paths in it with their content.
+/// Files of the folder `designs`, by their paths, with their content.
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
         &[$(($path, include_str!(concat!("../designs/", $path)))),*]
@@ -27,23 +27,41 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "quieter/muffler.toml",
     "quieter/muffler-on-worktable.toml",
     "quieter/small-holes.toml",
+    "quieter/expansion-chamber.toml",
+    "tools/stapler.toml",
+    "tools/gas-spring-nailer.toml",
+    "tools/blow-gun.toml",
+];
+
+/// Designs of [`DESIGNS`] without a study among [`STUDIES`]: those with an assembly of their own.
+pub const WITHOUT_STUDY: &[&str] = &[
+    "quieter/expansion-chamber.toml",
+    "tools/stapler.toml",
+    "tools/gas-spring-nailer.toml",
+    "tools/blow-gun.toml",
 ];
 
 /// Published measurements, for `compare --measured`.
 pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
 
 /// Studies of designs, for the intervals of `nailnoise run`: every file of the folder `designs/studies`, which
-/// `nailnoise provide` makes anew. The list is made when the program is built.
+/// `nailnoise provide` renews. The list is made when the program is built.
 pub const STUDIES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/studies.rs"));
 
-/// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
+/// The design with this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
 pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
     find(DESIGNS, name)
 }
 
-/// The measurements of this name, as those of [`design`].
+/// The measurements with this name, which may be written like that of a [`design`].
 pub fn measured(name: &str) -> Option<(&'static str, &'static str)> {
     find(MEASURED, name)
+}
+
+/// Paths of the designs that have a study.
+pub fn studied() -> impl Iterator<Item = &'static str> {
+    let paths = DESIGNS.iter().map(|(path, _)| *path);
+    paths.filter(|path| !WITHOUT_STUDY.contains(path))
 }
 
 /// Names of all designs, as a person writes them.
@@ -99,6 +117,15 @@ mod tests {
         found.sort();
         own.sort_unstable();
         assert_eq!(own, found);
+    }
+
+    #[test]
+    fn every_design_has_a_study_or_is_listed_without_one() {
+        for (path, _) in DESIGNS {
+            let study = format!("studies/{}.json", stem(path).replace('/', "-"));
+            let has_study = STUDIES.iter().any(|(own, _)| *own == study);
+            assert_ne!(has_study, WITHOUT_STUDY.contains(path), "{path}");
+        }
     }
 
     #[test]

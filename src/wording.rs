@@ -67,6 +67,7 @@ pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
         _ if figure.starts_with("speed_") => "m/s",
         _ if figure.ends_with("_force") => "N",
         _ if figure.ends_with("_mass") => "kg",
+        _ if figure.ends_with("_energy") => "J",
         _ => "",
     }
 }
@@ -79,6 +80,7 @@ pub(crate) fn figure(name: &str, value: f64) -> String {
         "N" => (1e-3, " kN", 3),
         "kg" => (1e3, " g", 3),
         "m/s" => (1.0, " m/s", 2),
+        "J" => (1.0, " J", 1),
         _ if name.ends_with("_fraction") => (1e2, " %", 1),
         _ => (1.0, "", 0),
     };

@@ -1,5 +1,5 @@
-//! CPU time of one frequency against size: `cargo bench -p nailnoise-acoustics --bench bem`, or `... -- table` for the
-//! last rows only.
+//! CPU time of one frequency as a function of size: `cargo bench -p nailnoise-acoustics --bench bem`, or `... -- table`
+//! for the last rows only.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 #[path = "../tests/common/boundary_meshes.rs"]
@@ -8,7 +8,7 @@ mod boundary_meshes;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Parity, Patterns, SolidBox};
 
-/// User and system time of this process \[s\], from /proc; wall time if that is missing.
+/// User and system time of this process \[s\], from /proc; wall time if that is unavailable.
 fn cpu(start: std::time::Instant) -> f64 {
     let ticks = |stat: String| -> Option<f64> {
         let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
@@ -63,7 +63,7 @@ fn main() {
     table(start);
 }
 
-/// Block on table above the floor, a quarter of it, all four parities with a hundred patterns each.
+/// Block on a table above the floor: a quarter of it, all four parities with a hundred patterns each.
 fn table(start: std::time::Instant) {
     let boxes = [
         ([-0.2032, -0.0762, 0.0], [0.2032, 0.0762, 0.09525]),

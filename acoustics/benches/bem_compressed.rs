@@ -1,9 +1,9 @@
-//! CPU time and memory of one frequency with the compressed matrix against size:
-//! `cargo bench -p nailnoise-acoustics --bench bem_compressed -- [PATTERNS [UNKNOWNS ...]]`.
+//! CPU time and memory of one frequency with the compressed matrix, as a function of size: `cargo bench -p
+//! nailnoise-acoustics --bench bem_compressed -- [PATTERNS [UNKNOWNS ...]]`.
 //!
-//! A box of 1 x 0.8 x 0.6 m above the floor, with six panels a wavelength at every size. Options: `quads`:
-//! quadrilaterals; `sphere`: a sphere of triangles in free space, without congruent pairs; `low`: a tenth of the
-//! frequency; `dense`: the dense matrix for comparison, at about 6 000 unknowns. The exponent is the slope of the
+//! A box of 1 x 0.8 x 0.6 m above the floor, with six panels per wavelength at every size. Options: `quads` uses
+//! quadrilaterals; `sphere` a sphere of triangles in free space without congruent pairs; `low` a tenth of the
+//! frequency; `dense` the dense matrix for comparison, at about 6 000 unknowns. The exponent is the slope of the
 //! logarithms of time and size.
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -15,7 +15,7 @@ use nailnoise_acoustics::bem::{Boundary, EquationSolver, Exterior};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// User and system time of this process \[s\], from /proc; wall time if that is missing.
+/// User and system time of this process \[s\], from /proc; wall time if that is unavailable.
 fn cpu(start: std::time::Instant) -> f64 {
     let ticks = |stat: String| -> Option<f64> {
         let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
@@ -43,7 +43,7 @@ struct Case {
     hz: f64,
 }
 
-/// A sphere from an uneven mesh, as a mesh generator makes it.
+/// A sphere with an uneven mesh, like that of a mesh generator.
 fn sphere(unknowns: f64) -> Boundary {
     let n = (unknowns / 10.0).sqrt().round() as usize;
     let mut mesh = boundary_meshes::sphere(0.4, n, false);
@@ -63,7 +63,7 @@ fn cuboid(unknowns: f64, quads: bool) -> Boundary {
     Boundary::new(mesh, Some(0.0)).unwrap()
 }
 
-/// About so many unknowns.
+/// A case with about this many unknowns.
 fn case(unknowns: f64, patterns: usize) -> Case {
     let is = |word: &str| std::env::args().any(|a| a == word);
     let air = Air::default();

@@ -1,5 +1,5 @@
-//! Time of the exhaust's analysis over one cycle of 0.11 s at 4 us, on one core; the requirement is 50 ms for the
-//! whole.
+//! Time to analyse the exhaust over one cycle of 0.11 s at 4 us on one core; the requirement for the complete analysis
+//! is 50 ms.
 
 use divan::Bencher;
 use nailnoise_acoustics::jets::{

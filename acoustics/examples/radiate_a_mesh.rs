@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, Point3};
 use std::f64::consts::PI;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Rings of 40 points around the z axis between two poles, outward triangles.
+    // Rings of 40 points around the z axis between two poles, with outward triangles.
     let (radius, rings, around) = (0.1, 19, 40);
     let mut points = vec![Point3::new(0.0, 0.0, radius)];
     for (ring, step) in (1..=rings).flat_map(|ring| (0..around).map(move |step| (ring, step))) {

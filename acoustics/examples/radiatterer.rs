@@ -1,13 +1,14 @@
-//! The Radiatterer, a benchmark case of the European Acoustics Association: a box with slots and cavities whose whole
-//! surface moves by 1 mm/s.
-//! `cargo run --release -p nailnoise-acoustics --example radiatterer -- [--divide N] [HZ ...]`.
+//! The Radiatterer, a benchmark case of the European Acoustics Association: a box with slots and cavities whose entire
+//! surface moves at 1 mm/s. `cargo run --release -p nailnoise-acoustics --example radiatterer -- [--divide N] [HZ
+//! ...]`.
 //!
-//! Panels are 0.1 m / N wide. Without frequencies, all of the reference are computed. The rows are comma-separated: the
-//! power, the levels at three points, and their differences from the reference where it has the frequency.
+//! Panels are 0.1 m / N wide. Without frequencies, all those of the reference are computed. Each row has
+//! comma-separated values: the power, the levels at three points, and their differences from the reference if it has
+//! the frequency.
 //!
 //! Reference: finite and infinite elements of order 4 on bricks of 50 mm (P. Fiala and P. Rucz, NiHu, public
 //! repository), an independent computation whose dispersion shifts frequencies by 0.15 % at 200 Hz and 0.4 % at 300 Hz.
-//! At the maxima of 20.5, 53, 78.5 and 109 Hz, compare frequencies and not levels.
+//! At the maxima of 20.5, 53, 78.5 and 109 Hz, compare frequencies instead of levels.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Panel};
@@ -18,10 +19,10 @@ use std::collections::HashMap;
 /// Side of a cell of the lattice \[m\]. All dimensions are multiples of it.
 const SIDE: f64 = 0.1;
 
-/// Sides of the brick along x, y, z.
+/// Number of cells of the brick along x, y and z.
 const BRICK: [usize; 3] = [25, 20, 17];
 
-/// Boxes cut out: from and to along x, y, z.
+/// Boxes cut out of it: start and end along x, y and z.
 #[rustfmt::skip]
 const CUT: [[[usize; 2]; 3]; 21] = [
     [[2, 14], [0, 12], [4, 12]],
@@ -50,10 +51,10 @@ const CUT: [[[usize; 2]; 3]; 21] = [
 /// Velocity amplitude \[m/s\].
 const VELOCITY: f64 = 1e-3;
 
-/// Points of the pressures \[m\].
+/// Receiver points \[m\].
 const POINTS: [[f64; 3]; 3] = [[-0.3, 0.3, 0.0], [0.2, -0.3, 0.4], [0.0, 0.0, -0.3]];
 
-/// Frequency \[Hz\], power \[W\] and levels of the amplitudes at the three points \[dB re 20 uPa\].
+/// Frequency \[Hz\], power \[W\] and levels of the pressure amplitudes at the three points \[dB re 20 uPa\].
 const REFERENCE: [[f64; 5]; 29] = [
     [0.5, 3.1139e-06, 51.22, 53.74, 51.14],
     [2.0, 4.9876e-05, 63.27, 65.78, 63.18],
@@ -86,7 +87,7 @@ const REFERENCE: [[f64; 5]; 29] = [
     [300.0, 0.0063813, 84.57, 87.44, 75.94],
 ];
 
-/// Whether a cell of the lattice, divided into this many along each axis, is part of the body.
+/// Whether a cell of the lattice, with `divide` subdivisions along each axis, belongs to the body.
 fn is_solid(cell: [i64; 3], divide: i64) -> bool {
     let cell = cell.map(|c| c.div_euclid(divide));
     let inside = |c: usize| (0..BRICK[c] as i64).contains(&cell[c]);
@@ -94,7 +95,7 @@ fn is_solid(cell: [i64; 3], divide: i64) -> bool {
     (0..3).all(inside) && !CUT.iter().any(in_cut)
 }
 
-/// A panel on every side of a solid cell that faces the air.
+/// One panel on every side of a solid cell that is exposed to the air.
 fn surface(divide: i64) -> BoundaryMesh {
     let (mut points, mut index) = (Vec::new(), HashMap::new());
     let mut panels = Vec::new();

@@ -6,14 +6,14 @@ pub const GAS_CONSTANT: f64 = 287.052_874;
 /// Ratio gamma of the specific heats of air.
 pub const HEAT_RATIO: f64 = 1.4;
 
-/// The air around the tool, a perfect gas at rest.
+/// The air around the tool, modelled as a perfect gas at rest.
 ///
 /// ```text
 /// rho0 = P_a / (R T_a)        c0 = sqrt(gamma R T_a)
 /// ```
 ///
-/// At 20 °C and 101 325 Pa: 1.204 kg/m³ and 343.2 m/s. Humidity is left out: it changes c0 by less than 0.4 % and
-/// rho0 by less than 1 % at room temperature, together below 0.05 dB.
+/// At 20 °C and 101 325 Pa: 1.204 kg/m³ and 343.2 m/s. Humidity is neglected: it changes c0 by less than 0.4 % and rho0
+/// by less than 1 % at room temperature, together less than 0.05 dB.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Air {
     /// Ambient temperature T_a \[K\].
@@ -34,15 +34,15 @@ impl Air {
     /// Dry air at `temperature` \[K\] and `pressure` \[Pa\].
     ///
     /// # Errors
-    /// [`InputError::NotPositive`] for a temperature or pressure that is not above zero.
+    /// [`InputError::NotPositive`] unless temperature and pressure are above zero.
     pub fn at(temperature: f64, pressure: f64) -> Result<Self, InputError> {
         Self::default().in_state(temperature, pressure)
     }
 
-    /// A perfect gas of specific gas constant R \[J/(kg K)\] and ratio gamma of specific heats, in the same state.
+    /// A perfect gas with specific gas constant R \[J/(kg K)\] and heat capacity ratio gamma, in the same state.
     ///
     /// # Errors
-    /// [`InputError`] for a gas constant that is not above zero or a ratio not above 1.
+    /// [`InputError`] unless the gas constant is above zero and the ratio above 1.
     pub fn of_gas(self, gas_constant: f64, heat_ratio: f64) -> Result<Self, InputError> {
         positive("specific gas constant [J/(kg K)]", gas_constant)?;
         positive("ratio of the specific heats, less 1", heat_ratio - 1.0)?;
@@ -57,7 +57,7 @@ impl Air {
     /// The same gas at another temperature \[K\] and pressure \[Pa\].
     ///
     /// # Errors
-    /// [`InputError::NotPositive`] for a temperature or pressure that is not above zero.
+    /// [`InputError::NotPositive`] unless temperature and pressure are above zero.
     pub fn in_state(self, temperature: f64, pressure: f64) -> Result<Self, InputError> {
         positive("ambient temperature [K]", temperature)?;
         positive("ambient pressure [Pa]", pressure)?;
@@ -69,7 +69,7 @@ impl Air {
         self.density * self.sound_speed
     }
 
-    /// The same gas in a state that is known to exist.
+    /// The same gas in a state already known to be valid.
     pub(crate) fn perfect_gas(self, temperature: f64, pressure: f64) -> Self {
         Self {
             temperature,

@@ -1,4 +1,4 @@
-//! Large arrays as single blocks of little-endian bytes, for `#[serde(with = "crate::blocks")]`.
+//! Serialises large arrays as single blocks of little-endian bytes, for `#[serde(with = "crate::blocks")]`.
 //!
 //! Encoding every number separately would take several times as long as copying a radiation matrix.
 
@@ -7,7 +7,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 
-/// A matrix as it is stored; numbers column by column.
+/// A matrix in its stored form, column by column.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Block<'a> {
     rows: usize,
@@ -16,14 +16,14 @@ pub(crate) struct Block<'a> {
     bytes: Cow<'a, [u8]>,
 }
 
-/// Values stored as one block, or as a list of blocks.
+/// A value stored as one block or as a list of blocks.
 pub(crate) trait Blocks: Sized {
     /// The stored form.
     type Stored<'a>: Serialize + Deserialize<'a>;
 
     fn stored(&self) -> Self::Stored<'static>;
 
-    /// None where the bytes are not a matrix of the size given.
+    /// Restores the value; none if the bytes do not match the given size.
     fn restored(stored: Self::Stored<'_>) -> Option<Self>;
 }
 

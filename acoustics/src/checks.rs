@@ -1,18 +1,18 @@
-//! Checks of arguments that several modules share, and the errors that they return.
+//! Argument checks shared by several modules, and the errors that they return.
 
 use thiserror::Error;
 
 /// An argument with an invalid value or length.
 #[derive(Debug, Error)]
 pub enum InputError {
-    /// Two arrays that describe the same thing differ in length.
+    /// Two corresponding arrays differ in length.
     #[error("{what}: {found} values where {expected} are needed; give both on the same points or samples")]
     Length {
-        /// The array that was counted.
+        /// Name of the array.
         what: &'static str,
         /// Its length.
         found: usize,
-        /// The length it must have.
+        /// Expected length.
         expected: usize,
     },
     /// A quantity that must be finite and positive is not.
@@ -28,12 +28,12 @@ pub enum InputError {
     NotFinite {
         /// The array.
         what: &'static str,
-        /// Position of the first bad value.
+        /// Index of the first such value.
         index: usize,
         /// The value.
         value: f64,
     },
-    /// A quantity lies outside the validity range of the model.
+    /// A quantity is outside the validity range of the model.
     #[error("{what} is {value}, outside {low} to {high}")]
     OutsideRange {
         /// The quantity.
@@ -53,7 +53,7 @@ pub enum ReceiverError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// An outlet or a receiver below the floor.
+    /// An outlet or receiver is below the floor.
     #[error("a point at z = {z} m lies below the floor at {floor} m; outlet and receiver must stand on or above it")]
     BelowFloor {
         /// Height of the point \[m\].
@@ -61,7 +61,7 @@ pub enum ReceiverError {
         /// Height of the floor \[m\].
         floor: f64,
     },
-    /// A receiver too close to a radiating surface.
+    /// A receiver is too close to a radiating surface.
     #[error(
         "the point {point:.3?} m lies {distance:.3} m from the radiating surface; at least {needed:.3} m, the longest \
          edge of a \
@@ -70,14 +70,14 @@ pub enum ReceiverError {
     NearSurface {
         /// The point \[m\].
         point: [f64; 3],
-        /// Its distance from the nearest point of a panel \[m\].
+        /// Its distance from the nearest panel \[m\].
         distance: f64,
-        /// Distance needed \[m\].
+        /// Required distance \[m\].
         needed: f64,
     },
 }
 
-/// Fails with [`InputError::NotPositive`] unless `value` is finite and above zero.
+/// Returns `value`, or [`InputError::NotPositive`] unless it is finite and greater than zero.
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, InputError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
@@ -86,7 +86,7 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, InputError
     }
 }
 
-/// Fails with [`InputError::NotFinite`] at the first value that is not finite.
+/// Returns [`InputError::NotFinite`] for the first value that is not finite.
 pub(crate) fn finite(what: &'static str, values: &[f64]) -> Result<(), InputError> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
@@ -98,7 +98,7 @@ pub(crate) fn finite(what: &'static str, values: &[f64]) -> Result<(), InputErro
     }
 }
 
-/// Fails with [`InputError::Length`] unless the two lengths agree.
+/// Returns [`InputError::Length`] unless the two lengths agree.
 pub(crate) fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), InputError> {
     if found == expected {
         Ok(())

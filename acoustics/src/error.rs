@@ -17,43 +17,43 @@ pub enum AcousticsError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The sound pressure at a point.
+    /// From computing the sound pressure at a point.
     #[error(transparent)]
     Receiver(#[from] ReceiverError),
-    /// A Fourier transform.
+    /// From a Fourier transform.
     #[error(transparent)]
     Fourier(#[from] FourierError),
-    /// A spectrum or its signals.
+    /// From a spectrum or its signals.
     #[error(transparent)]
     Levels(#[from] LevelsError),
-    /// A loudness.
+    /// From computing loudness.
     #[error(transparent)]
     Loudness(#[from] LoudnessError),
-    /// The sampling of a quantity over frequency.
+    /// From sampling a quantity over frequency.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
-    /// A radiation operator.
+    /// From a radiation operator.
     #[error(transparent)]
     Radiation(#[from] RadiationError),
-    /// Boundary elements.
+    /// From the boundary element method.
     #[error(transparent)]
     Bem(#[from] BemError),
-    /// Modes that are loaded by a fluid.
+    /// From computing fluid-loaded modes.
     #[error(transparent)]
     FluidLoading(#[from] FluidLoadingError),
-    /// The noise of an opening.
+    /// From computing the noise of an opening.
     #[error(transparent)]
     Exhaust(#[from] ExhaustError),
-    /// A muffler.
+    /// From a muffler.
     #[error(transparent)]
     Muffler(#[from] MufflerError),
-    /// The mesh does not have this patch or quadrature.
+    /// The mesh does not have the requested patch or quadrature rule.
     #[error(transparent)]
     Mesh(#[from] nailnoise_meshes::MeshError),
 }
 
 impl AcousticsError {
-    /// Whether the design must change for it, rather than the program.
+    /// Whether the remedy is to change the design rather than the program.
     pub fn is_of_the_design(&self) -> bool {
         match self {
             Self::Input(cause)

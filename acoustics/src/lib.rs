@@ -1,8 +1,8 @@
-//! Levels, radiation of moving surfaces and exhaust noise.
+//! Levels, radiation of moving surfaces, and exhaust noise.
 //!
-//! Each source ends in a [`signals::SourceSpectrum`]: the energy that it radiates during one shot, per hertz. Surfaces
-//! need quadrature points with modal displacements ([`radiation`]) or a closed mesh ([`bem`]); the exhaust needs its
-//! flow ([`jets`]). [`radiation::sound`] gives the pressures at microphones. Time factor e^{+j omega t}; spectra are
+//! Each source yields a [`signals::SourceSpectrum`]: the energy radiated during one shot, per hertz. Surfaces need
+//! quadrature points with modal displacements ([`radiation`]) or a closed mesh ([`bem`]); the exhaust needs its flow
+//! ([`jets`]). [`radiation::sound`] gives the pressures at microphones. Time factor e^{+j omega t}; spectra are
 //! one-sided; SI units throughout.
 //!
 //! The equivalent radiated power of a piston that oscillates at 1 kHz with an acceleration of 1 m/s²:

@@ -3,11 +3,11 @@
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
 
-/// A number in \[0, 1) for the place (`first`, `second`) of the sequence `seed`.
+/// A number in \[0, 1) at the position (`first`, `second`) of the sequence `seed`.
 ///
-/// It depends on nothing else, so that the order of evaluation does not matter. The three values are mixed by
+/// It depends only on these values, so the order of evaluation does not matter. The three values are mixed by
 /// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014): each is added to the
-/// result of those before it.
+/// result of the previous ones.
 pub fn uniform(seed: u64, first: u64, second: u64) -> f64 {
     let mixed = |key: u64| SplitMix64::seed_from_u64(key).next_u64();
     let key = mixed(mixed(seed).wrapping_add(first)).wrapping_add(second);
@@ -20,7 +20,7 @@ mod tests {
 
     #[test]
     fn numbers_are_the_same_in_every_version() {
-        // The last of three chained outputs of the published generator, its 53 upper bits as a fraction.
+        // The last of three chained outputs of the published generator, with its upper 53 bits as a fraction.
         assert_eq!(uniform(1, 2, 3), 3_761_028_642_379_151.0 / (1_u64 << 53) as f64);
     }
 
@@ -32,7 +32,7 @@ mod tests {
             let (a, b) = (uniform(1, place, 7) - 0.5, uniform(1, place, 8) - 0.5);
             (sum, square, product) = (sum + a, square + a * a, product + a * b);
         }
-        // Three standard errors of mean, variance and covariance of uniform numbers.
+        // Three standard errors of the mean, variance and covariance of uniform numbers.
         let n = N as f64;
         assert!((sum / n).abs() < 3.0 * (1.0 / 12.0 / n).sqrt());
         assert!((square / n - 1.0 / 12.0).abs() < 3.0 * (1.0 / 180.0 / n).sqrt());

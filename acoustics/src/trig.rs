@@ -29,7 +29,8 @@ const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
 ];
 
-// Small functions instead of closures: only a function that is always inlined takes on its caller's vector features.
+// Functions are used instead of closures, because only functions that are always inlined inherit the vector features of
+// their caller.
 
 #[inline(always)]
 fn rounded<S: Simd>(simd: S, y: S::f64s) -> S::f64s {
@@ -52,7 +53,7 @@ fn signed<S: Simd>(simd: S, keep: S::f64s, v: S::f64s) -> S::f64s {
     simd.select_f64s(simd.less_than_f64s(keep, simd.splat_f64s(0.0)), simd.neg_f64s(v), v)
 }
 
-/// (sin x, cos x) of |x| < 10^6 with an error below 3e-16.
+/// (sin x, cos x) for |x| < 10^6 with an error below 3e-16.
 #[inline(always)]
 pub(crate) fn sin_cos<S: Simd>(simd: S, x: S::f64s) -> (S::f64s, S::f64s) {
     let n = rounded(simd, simd.mul_f64s(x, simd.splat_f64s(FRAC_2_PI)));
@@ -64,7 +65,7 @@ pub(crate) fn sin_cos<S: Simd>(simd: S, x: S::f64s) -> (S::f64s, S::f64s) {
     let (one, half) = (simd.splat_f64s(1.0), simd.splat_f64s(0.5));
     let start = simd.negate_mul_add_e_f64s(r2, half, one);
     let cosine = simd.mul_add_e_f64s(simd.mul_f64s(r2, r2), horner(simd, &COSINE, r2), start);
-    // Quadrant n mod 4 as -2 .. 2: odd ones swap sine and cosine.
+    // Quadrant n mod 4 as -2 .. 2; odd quadrants swap sine and cosine.
     let quarter = rounded(simd, simd.mul_f64s(n, simd.splat_f64s(0.25)));
     let m = simd.negate_mul_add_e_f64s(quarter, simd.splat_f64s(4.0), n);
     let size = simd.abs_f64s(m);
@@ -78,12 +79,12 @@ pub(crate) fn sin_cos<S: Simd>(simd: S, x: S::f64s) -> (S::f64s, S::f64s) {
     (signed(simd, keep_s, s), signed(simd, keep_c, c))
 }
 
-/// In single precision.
+/// Single-precision versions.
 pub(crate) mod single {
     use pulp::Simd;
     use std::f32::consts::{FRAC_1_PI, PI};
 
-    /// pi less its value in single precision.
+    /// pi minus its single-precision value.
     const PI_REST: f32 = -8.742_278e-8;
     /// Adding and subtracting 1.5 x 2^23 rounds to the nearest integer.
     const ROUND: f32 = 12_582_912.0;
@@ -107,8 +108,7 @@ pub(crate) mod single {
         simd.sub_f32s(simd.mul_add_e_f32s(x, simd.splat_f32s(factor), shift), shift)
     }
 
-    /// (sin x, cos x) of x as it is rounded, with an error below 2e-7 for |x| < 60 by fused multiplication and
-    /// addition.
+    /// (sin x, cos x) of the rounded x, with an error below 2e-7 for |x| < 60, using fused multiply-add.
     #[inline(always)]
     pub(crate) fn sin_cos<S: Simd>(simd: S, x: S::f32s) -> (S::f32s, S::f32s) {
         let (one, two) = (simd.splat_f32s(1.0), simd.splat_f32s(2.0));

@@ -1,11 +1,11 @@
-//! Readings that contradict each other, or the whole model.
+//! Detects readings that contradict each other or the model.
 //!
-//! A precise posterior of contradicting readings is wrong: its draws lie between values that the model cannot reach
-//! together. Three looks find such readings. [`unreached`] compares each reading with the prior's predictions.
-//! [`left_out_probability`] predicts each reading from the others: the draws are weighted by 1/L_k, cut at sqrt(N)
-//! times the mean weight (Ionides, "Truncated importance sampling", Journal of Computational and Graphical Statistics
-//! 17, 295 (2008)). [`at_ends`] names the inputs and shared errors that the draws press against the ends of their
-//! ranges.
+//! If readings contradict each other, the posterior may be narrow but wrong: its draws lie between values that the
+//! model cannot reach together. Three tests find such readings. [`unreached`] compares each reading with the prior's
+//! predictions. [`left_out_probability`] predicts each reading from the others: the draws are weighted by 1/L_k, cut at
+//! sqrt(N) times the mean weight (Ionides, "Truncated importance sampling", Journal of Computational and Graphical
+//! Statistics 17, 295 (2008)). [`at_ends`] names the inputs and shared errors that the draws press against the ends of
+//! their ranges.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,33 +17,35 @@ use crate::statistics::moments;
 /// Predictive probability below which a reading conflicts with the others.
 pub const CONFLICT: f64 = 0.01;
 
-/// Predictive probability below which a reading can be the partner of one that conflicts, and from which widened
-/// readings agree.
+/// A reading with a predictive probability below this may be the partner of a conflicting one. Errors are widened until
+/// both readings reach it.
 const SURPRISING: f64 = 0.05;
 
-/// A reading further than this many scales from the predictions of all candidates is not reached.
+/// A reading that lies further than this many error scales from all predictions is out of reach.
 const OUT_OF_REACH: f64 = 3.0;
 
-/// Part of a distribution next to each end, and the share of the draws in it that means pressure on the end.
+/// Fraction of a distribution next to each end, and the share of draws within it above which an input counts as pressed
+/// against the end.
 const END: f64 = 0.05;
 const PRESSED: f64 = 0.25;
 
-/// Standard deviations of a shared error from which it is at its end.
+/// Mean of a shared error, in standard deviations, from which it counts as extreme.
 const LARGE_ERROR: f64 = 2.0;
 
-/// Largest factor by which errors are widened.
+/// Largest factor by which errors may be widened.
 const MOST_WIDENED: f64 = 1e3;
 
-/// A reading that no candidate comes near.
+/// A reading that no candidate approaches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Unreached {
     /// The nearest predicted value.
     pub nearest: f64,
-    /// Its distance in standard deviations of the reading, those of shared errors among them.
+    /// Its distance in standard deviations of the reading, shared errors included.
     pub distance: f64,
 }
 
-/// Whether a reading lies beyond the predictions of all candidates by three standard deviations; none if it does not.
+/// Tests whether a reading lies more than three standard deviations beyond the predictions of all candidates; none if
+/// it does not.
 pub fn unreached(likelihood: &Likelihood, datum: usize, candidates: &[Candidate]) -> Option<Unreached> {
     let own = &likelihood.data()[datum];
     let variance = own.scale.powi(2) + own.shared.iter().map(|shared| shared.coefficient.powi(2)).sum::<f64>();
@@ -53,7 +55,7 @@ pub fn unreached(likelihood: &Likelihood, datum: usize, candidates: &[Candidate]
     for candidate in candidates {
         let value = match candidate.predictions[datum] {
             Prediction::Value(value) => value,
-            // The true value may be any from the bound on.
+            // The true value may be anything from the bound upwards.
             Prediction::AtLeast(bound) => match own.reading {
                 Reading::Value(y) | Reading::AtMost(y) | Reading::Within([_, y]) => bound.max(y),
                 Reading::AtLeast(_) => return None,
@@ -72,7 +74,7 @@ pub fn unreached(likelihood: &Likelihood, datum: usize, candidates: &[Candidate]
     nearest.filter(|own| own.distance > OUT_OF_REACH && sides[0] != sides[1])
 }
 
-/// Weights of draws without the readings `left_out`: 1/L of those that count, cut and normalised.
+/// Weights of the draws without the readings `left_out`: the inverse of their likelihood, truncated and normalised.
 pub fn weights_without(likelihood: &Likelihood, particles: &[Particle], left_out: &[usize]) -> Vec<f64> {
     let counting = || left_out.iter().filter(|&&k| likelihood.data()[k].counts);
     let log = |own: &Particle| -> f64 {
@@ -87,7 +89,7 @@ pub fn weights_without(likelihood: &Likelihood, particles: &[Particle], left_out
     weights.iter().map(|weight| weight.min(limit) / sum).collect()
 }
 
-/// Weights of sum 1 by their logarithms.
+/// Converts log weights to weights that sum to 1.
 fn normalised(log: &[f64]) -> Vec<f64> {
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
@@ -95,8 +97,8 @@ fn normalised(log: &[f64]) -> Vec<f64> {
     weights.iter().map(|weight| weight / sum).collect()
 }
 
-/// Probability of a reading at least as extreme as the one made, two-sided, by weighted draws; of a censored reading
-/// the probability of what was read. `factor` widens its independent error.
+/// Two-sided predictive probability, estimated from weighted draws, of a reading at least as extreme as the actual one;
+/// for a censored reading, the probability of the observed interval. `factor` widens the independent error.
 fn probability(likelihood: &Likelihood, datum: usize, particles: &[Particle], weights: &[f64], factor: f64) -> f64 {
     let own = &likelihood.data()[datum];
     let mut sides = [0.0; 2];
@@ -123,7 +125,7 @@ fn probability(likelihood: &Likelihood, datum: usize, particles: &[Particle], we
     }
 }
 
-/// Predictive probability of a reading by the draws without it and without `others`.
+/// Predictive probability of a reading, from draws conditioned on neither that reading nor `others`.
 pub fn left_out_probability(likelihood: &Likelihood, particles: &[Particle], datum: usize, others: &[usize]) -> f64 {
     let left_out = [&[datum], others].concat();
     let weights = weights_without(likelihood, particles, &left_out);
@@ -135,16 +137,17 @@ pub fn left_out_probability(likelihood: &Likelihood, particles: &[Particle], dat
 pub struct Conflict {
     /// The reading.
     pub datum: usize,
-    /// Its predictive probability by the others.
+    /// Its predictive probability given the others.
     pub probability: f64,
-    /// The reading without which it would not conflict; none if it contradicts the others together.
+    /// The reading whose removal resolves the conflict; none if the reading contradicts several others together.
     pub partner: Option<usize>,
 }
 
-/// The worst conflict among the readings that count; none if every one is predicted with at least 1 %.
+/// The worst conflict among the readings used for calibration; none if each is predicted with a probability of at least
+/// 1 %.
 ///
-/// Of two readings that contradict only each other, the data cannot tell which one is wrong: they are a pair. A reading
-/// that is still improbable without any single other one contradicts the rest.
+/// If two readings contradict only each other, the data cannot show which one is wrong, and they are reported as a
+/// pair. A reading that remains improbable whichever single other reading is removed contradicts the rest.
 pub fn worst(likelihood: &Likelihood, particles: &[Particle]) -> Option<Conflict> {
     let data = likelihood.data();
     let counting: Vec<usize> = (0..data.len()).filter(|&k| data[k].counts).collect();
@@ -168,8 +171,8 @@ pub fn worst(likelihood: &Likelihood, particles: &[Particle]) -> Option<Conflict
     })
 }
 
-/// The factor on the independent errors of one or two readings with which draws that do not know them predict each with
-/// 5 %, the other given.
+/// The factor by which the independent errors of one or two readings must be widened so that each has a predictive
+/// probability of 5 % given the remaining data.
 pub fn widening(likelihood: &Likelihood, particles: &[Particle], datum: usize, partner: Option<usize>) -> f64 {
     let agree = |factor: f64| {
         let of = |k: usize, other: Option<usize>| {
@@ -194,19 +197,19 @@ pub fn widening(likelihood: &Likelihood, particles: &[Particle], datum: usize, p
     high
 }
 
-/// A variable that draws press against an end of its distribution.
+/// A variable whose draws are pressed against an end of its distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pressed {
-    /// Number of the variable.
+    /// Index of the variable.
     pub variable: usize,
-    /// Whether it is the upper end.
+    /// Whether it is pressed against the upper end.
     pub is_upper: bool,
-    /// Share of the draws within 5 % of the end.
+    /// Share of the draws in the last 5 % before that end.
     pub share: f64,
 }
 
-/// The variables with more than a quarter of the weighted draws within the last 5 % of their distribution, the most
-/// pressed first. Errors that readings share, `errors`, are there if their mean is beyond two standard deviations.
+/// The variables that have more than a quarter of the weighted draws in the last 5 % of their distribution, the most
+/// pressed first. Shared errors, listed in `errors`, are included if their mean exceeds two standard deviations.
 pub fn at_ends(particles: &[Particle], weights: &[f64], errors: &[usize]) -> Vec<Pressed> {
     let variables = particles.first().map_or(0, |own| own.z.len());
     let limit = normal::quantile(END);
@@ -237,8 +240,8 @@ pub fn at_ends(particles: &[Particle], weights: &[f64], errors: &[usize]) -> Vec
     found
 }
 
-/// Residual of the mean prediction of a reading, in standard deviations of reading and predictions together; 0 inside a
-/// censored interval.
+/// Residual of the mean prediction of a reading, divided by the combined standard deviation of reading and predictions;
+/// 0 inside a censored interval.
 pub fn left_over(likelihood: &Likelihood, datum: usize, particles: &[Particle]) -> f64 {
     let own = &likelihood.data()[datum];
     let value = |own: &Particle| own.predictions[datum].value() + likelihood.shared(datum, &own.z);

@@ -1,16 +1,16 @@
-//! Readings with their errors, and the likelihood of predicted values.
+//! Readings with their errors, and the likelihood of predictions.
 //!
-//! A reading k is y_k = f_k + sum_i c_ki z_i + e_k: f_k the predicted value, z_i errors that several readings share (of
-//! an instrument, of the model), which are variables of the sampler, and e_k the independent error of scale s_k. With
-//! the residual r_k = (y_k - f_k - sum_i c_ki z_i)/s_k,
+//! Reading k is y_k = f_k + sum_i c_ki z_i + e_k, where f_k is the predicted value, z_i are errors shared by several
+//! readings (of an instrument or of the model) and sampled as variables, and e_k is the independent error with scale
+//! s_k. With the residual r_k = (y_k - f_k - sum_i c_ki z_i)/s_k,
 //!
 //! ```text
 //! l_k = -(nu + 1)/2 log(1 + r_k^2/nu), nu = 4      Student t
 //! l_k = -r_k^2/2                                   Gaussian
 //! ```
 //!
-//! without constants, so that l_k <= 0. The residuals of correlated errors are whitened by the Cholesky factor of their
-//! covariance first. A censored reading has the logarithm of the probability of what was read.
+//! without constants, so that l_k <= 0. The residuals of correlated errors are first whitened with the Cholesky factor
+//! of their covariance. A censored reading contributes the logarithm of the probability of the observed interval.
 
 use std::collections::BTreeSet;
 
@@ -19,8 +19,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::normal;
 
-/// Degrees of freedom of the Student law. The scale that the Fisher information sees is 18 % above a Gaussian one, and
-/// one blunder does not move the rest.
+/// Degrees of freedom of the Student t distribution. Its effective scale by Fisher information is 18 % above a Gaussian
+/// one, and a single outlier hardly affects the rest.
 const DEGREES: f64 = 4.0;
 
 /// Distribution of the independent errors.
@@ -28,12 +28,12 @@ const DEGREES: f64 = 4.0;
 pub enum ErrorLaw {
     /// Student t with 4 degrees of freedom.
     Student,
-    /// Gaussian: for comparison with closed forms.
+    /// Gaussian, for comparison with closed-form results.
     Gaussian,
 }
 
 impl ErrorLaw {
-    /// Logarithm of the density at a residual, relative to that at 0.
+    /// Logarithm of the density at a residual, relative to its value at 0.
     pub fn log_density(self, r: f64) -> f64 {
         match self {
             Self::Student => -0.5 * (DEGREES + 1.0) * (r * r / DEGREES).ln_1p(),
@@ -41,13 +41,12 @@ impl ErrorLaw {
         }
     }
 
-    /// Probability of an error below `r` scales. For 4 degrees of freedom, with q = 4 + r^2,
-    /// F = 1/2 + r (q + 2)/(2 q^(3/2)) (Johnson, Kotz and Balakrishnan, "Continuous univariate distributions", 1995,
-    /// chapter 28).
+    /// Probability of an error less than `r` scales. For 4 degrees of freedom, with q = 4 + r^2, F = 1/2 + r (q + 2)/(2
+    /// q^(3/2)) (Johnson, Kotz and Balakrishnan, "Continuous univariate distributions", 1995, chapter 28).
     pub fn cumulative(self, r: f64) -> f64 {
         match self {
             Self::Gaussian => normal::cumulative(r),
-            // In this tail the closed form cancels: F = 3/r^4 (1 + O(1/r^2)).
+            // In this tail the closed form suffers from cancellation: F = 3/r^4 (1 + O(1/r^2)).
             Self::Student if r < -100.0 => 3.0 / r.powi(4),
             Self::Student => {
                 let q = 4.0 + r * r;
@@ -57,21 +56,21 @@ impl ErrorLaw {
     }
 }
 
-/// What was read.
+/// The observed value or interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Reading {
     /// A value.
     Value(f64),
-    /// A value at most this.
+    /// At most this value.
     AtMost(f64),
-    /// A value at least this.
+    /// At least this value.
     AtLeast(f64),
-    /// A value between these.
+    /// Between these values.
     Within([f64; 2]),
 }
 
 impl Reading {
-    /// The value nearest to `x` that agrees with the reading.
+    /// The value closest to `x` that is consistent with the reading.
     pub fn nearest(self, x: f64) -> f64 {
         match self {
             Self::Value(value) => value,
@@ -82,10 +81,10 @@ impl Reading {
     }
 }
 
-/// An error that several readings share: a standard normal variable of the sampler times a coefficient.
+/// An error shared by several readings: a standard normal variable of the sampler times a coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SharedError {
-    /// Number of the variable.
+    /// Index of the variable.
     pub variable: usize,
     /// Its effect on the reading, in the unit of the reading.
     pub coefficient: f64,
@@ -96,15 +95,15 @@ pub struct SharedError {
 pub struct Datum {
     /// Name in the file of measurements.
     pub name: String,
-    /// Number of the condition under which it was read.
+    /// Index of the condition under which it was read.
     pub condition: usize,
     /// The reading, in the unit of the prediction.
     pub reading: Reading,
     /// s, scale of the independent error; above 0.
     pub scale: f64,
-    /// Errors that it shares with other readings.
+    /// Errors shared with other readings.
     pub shared: Vec<SharedError>,
-    /// Whether it conditions the inputs; if not, it is only predicted.
+    /// Whether the reading conditions the inputs; otherwise it is only predicted.
     pub counts: bool,
 }
 
@@ -113,14 +112,14 @@ pub struct Datum {
 pub enum Prediction {
     /// The value.
     Value(f64),
-    /// The simulation ended before the value was reached; it is at least this.
+    /// The simulation ended before the value was reached, so it is at least this.
     AtLeast(f64),
-    /// There is no such value: an event did not occur.
+    /// There is no value because an event did not occur.
     Missing,
 }
 
 impl Prediction {
-    /// The value or its lower bound; NaN if it is missing.
+    /// The value or its lower bound; NaN if missing.
     pub fn value(self) -> f64 {
         match self {
             Self::Value(value) | Self::AtLeast(value) => value,
@@ -129,27 +128,27 @@ impl Prediction {
     }
 }
 
-/// A correlation of the independent errors of readings.
+/// A correlation of the independent errors of several readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorCorrelation {
-    /// Numbers of the readings.
+    /// Indices of the readings.
     pub data: Vec<usize>,
-    /// Covariance of each pair is `r` times the product of their `parts`.
+    /// The covariance of each pair is `r` times the product of their `parts`.
     pub r: f64,
-    /// Standard deviations of the correlated part of each reading's error, in their order.
+    /// Standard deviation of the correlated part of each reading's error, in the same order.
     pub parts: Vec<f64>,
 }
 
-/// Why errors have no distribution.
+/// Why the errors do not define a likelihood.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LikelihoodError {
-    /// A covariance that is not positive definite.
+    /// The covariance is not positive definite.
     #[error("the correlations of the errors of {names} are not positive definite")]
     Indefinite {
         /// Names of the readings.
         names: String,
     },
-    /// Censored readings do not have a residual.
+    /// A reading with correlated errors is censored and therefore has no residual.
     #[error("`{name}` is censored: its error cannot be correlated with others")]
     Censored {
         /// Name of the reading.
@@ -157,7 +156,7 @@ pub enum LikelihoodError {
     },
 }
 
-/// Readings whose errors are correlated, directly or through others.
+/// A group of readings whose errors are correlated, directly or through others.
 #[derive(Debug, Clone)]
 struct Block {
     members: Vec<usize>,
@@ -175,10 +174,10 @@ pub struct Likelihood {
 }
 
 impl Likelihood {
-    /// Of readings under `conditions` conditions.
+    /// Creates the likelihood of readings taken under `conditions` conditions.
     ///
     /// # Errors
-    /// Correlations that are not possible.
+    /// [`LikelihoodError`] if the correlations are invalid.
     pub fn new(
         data: Vec<Datum>,
         conditions: usize,
@@ -205,33 +204,33 @@ impl Likelihood {
         &self.data
     }
 
-    /// Law of the independent errors.
+    /// Distribution of the independent errors.
     pub fn law(&self) -> ErrorLaw {
         self.law
     }
 
-    /// Conditions, the one with the most readings first, so that most candidates are refused early.
+    /// Condition indices, the one with the most readings first, so that most candidates are rejected early.
     pub fn order(&self) -> &[usize] {
         &self.order
     }
 
-    /// Numbers of the readings of a condition.
+    /// Indices of the readings of a condition.
     pub fn of_condition(&self, condition: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.data.len()).filter(move |&k| self.data[k].condition == condition)
     }
 
-    /// Whether any reading counts.
+    /// Whether any reading is used for conditioning.
     pub fn is_informed(&self) -> bool {
         self.data.iter().any(|datum| datum.counts)
     }
 
-    /// Effect of the shared errors on a reading.
+    /// Total effect of the shared errors on a reading.
     pub fn shared(&self, datum: usize, z: &[f64]) -> f64 {
         let shared = self.data[datum].shared.iter();
         shared.map(|own| own.coefficient * z[own.variable]).sum()
     }
 
-    /// Log-likelihood of one reading without the correlation of its error: that of its prediction and shared errors.
+    /// Log-likelihood of one reading given its prediction and the shared errors, without correlations.
     pub fn of_datum(&self, datum: usize, z: &[f64], prediction: Prediction) -> f64 {
         self.of_reading(datum, self.data[datum].scale, self.shared(datum, z), prediction)
     }
@@ -254,14 +253,14 @@ impl Likelihood {
         }
     }
 
-    /// Log-likelihood of a reading whose scale is multiplied by `factor`, with the constant of the scale.
+    /// Log-likelihood of a reading whose scale is multiplied by `factor`, including the normalisation of the scale.
     pub(crate) fn widened(&self, datum: usize, factor: f64, z: &[f64], prediction: Prediction) -> f64 {
         let scale = factor * self.data[datum].scale;
         self.of_reading(datum, scale, self.shared(datum, z), prediction)
     }
 
-    /// Log-likelihood of the readings that are complete once the first `known` conditions of [`order`](Self::order)
-    /// are, and were not before.
+    /// Log-likelihood of the readings that become complete with the last of the first `known` conditions of
+    /// [`order`](Self::order).
     pub(crate) fn of_step(&self, known: usize, z: &[f64], predictions: &[Prediction]) -> f64 {
         let seen = |datum: &usize| self.order[..known].contains(&self.data[*datum].condition);
         let last = self.order[known - 1];
@@ -277,7 +276,7 @@ impl Likelihood {
             (Reading::Value(y), Prediction::Value(f)) => Some(y - f - self.shared(k, z)),
             _ => None,
         };
-        // A prediction that is only bounded has no residual to whiten.
+        // A prediction that is only a bound has no residual to whiten.
         match block.members.iter().map(residual).collect::<Option<Vec<f64>>>() {
             Some(residuals) => {
                 let whitened = &block.whitening * DVector::from_vec(residuals);
@@ -290,7 +289,7 @@ impl Likelihood {
         }
     }
 
-    /// Log-likelihood of all readings that count.
+    /// Log-likelihood of all readings used for conditioning.
     pub fn total(&self, z: &[f64], predictions: &[Prediction]) -> f64 {
         self.blocks
             .iter()
@@ -298,7 +297,7 @@ impl Likelihood {
             .sum()
     }
 
-    /// Log of the constant that [`total`](Self::total) leaves out, for readings that are values.
+    /// Logarithm of the constant omitted by [`total`](Self::total), for readings that are values.
     pub fn constant(&self) -> f64 {
         let at_zero = match self.law {
             // Gamma(5/2)/(sqrt(4 pi) Gamma(2)) = 3/8.
@@ -316,7 +315,7 @@ impl Likelihood {
     }
 }
 
-/// Joins the readings that count and whose errors are correlated.
+/// Groups the conditioning readings whose errors are correlated.
 fn blocks(data: &[Datum], correlations: &[ErrorCorrelation]) -> Result<Vec<Block>, LikelihoodError> {
     let n = data.len();
     let mut covariance = DMatrix::from_fn(

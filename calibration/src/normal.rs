@@ -2,13 +2,13 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Phi(z), the probability of a value below `z`.
+/// Phi(z), the probability of a value less than `z`.
 pub fn cumulative(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
-/// Phi^-1(p) for 0 < p < 1, to 1e-16 relative (Wichura, "Algorithm AS 241: The percentage points of the normal
-/// distribution", Applied Statistics 37, 477 (1988), PPND16).
+/// Phi^-1(p) for 0 < p < 1, with relative accuracy 1e-16 (Wichura, "Algorithm AS 241: The percentage points of the
+/// normal distribution", Applied Statistics 37, 477 (1988), PPND16).
 pub fn quantile(p: f64) -> f64 {
     let ratio = |r: f64, above: &[f64], below: &[f64]| {
         let sum = |coefficients: &[f64]| coefficients.iter().rev().fold(0.0, |sum, c| sum * r + c);
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn published_points_are_met() {
-        // Wichura 1988, the three points of the paper's check.
+        // The three test values of the paper (Wichura 1988).
         assert!((quantile(0.25) + 0.674_489_750_196_081_7).abs() < 1e-15);
         assert!((quantile(0.001) + 3.090_232_306_167_813_5).abs() < 1e-14);
         assert!((quantile(1e-20) + 9.262_340_089_798_408).abs() < 1e-13);

@@ -1,8 +1,9 @@
-//! Random numbers by counter: each is a function of its indices, so that threads and interruptions do not matter.
+//! Counter-based random numbers: each is a function of its indices, so that results depend neither on threads nor on
+//! interruptions.
 
 use crate::normal;
 
-/// Numbers of one particle in one move, or of any other place that a list of indices names.
+/// The random numbers of one particle in one move, or of any other list of indices.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stream {
     key: u64,
@@ -17,7 +18,7 @@ fn mixed(x: u64) -> u64 {
 }
 
 impl Stream {
-    /// The stream of a seed and indices.
+    /// Creates the stream of a seed and indices.
     pub(crate) fn new(seed: u64, indices: &[u64]) -> Self {
         let key = indices
             .iter()
@@ -25,20 +26,20 @@ impl Stream {
         Self { key }
     }
 
-    /// Number `counter`, uniform in (0, 1).
+    /// Random number `counter`, uniform in (0, 1).
     pub(crate) fn uniform(self, counter: u64) -> f64 {
         let bits = mixed(self.key.wrapping_add(mixed(counter))) >> 11;
         (bits as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    /// Number `counter`, standard normal.
+    /// Random number `counter`, standard normal.
     pub(crate) fn normal(self, counter: u64) -> f64 {
         normal::quantile(self.uniform(counter))
     }
 
-    /// A number with the gamma distribution of unit scale, shape >= 1, from the counters from `counter` on (Marsaglia
-    /// and Tsang, "A simple method for generating gamma variables", ACM Transactions on Mathematical Software 26, 363
-    /// (2000)).
+    /// A gamma-distributed number of unit scale and shape >= 1, drawn with the counters from `counter` upwards
+    /// (Marsaglia and Tsang, "A simple method for generating gamma variables", ACM Transactions on Mathematical
+    /// Software 26, 363 (2000)).
     pub(crate) fn gamma(self, shape: f64, counter: u64) -> f64 {
         let d = shape - 1.0 / 3.0;
         let c = 1.0 / (9.0 * d).sqrt();
@@ -58,7 +59,7 @@ impl Stream {
 mod tests {
     use super::*;
 
-    /// Mean and variance of numbers.
+    /// Mean and variance of a sequence of random numbers.
     fn moments(number: impl Fn(u64) -> f64) -> [f64; 2] {
         const N: u64 = 100_000;
         let mean = (0..N).map(&number).sum::<f64>() / N as f64;

@@ -1,9 +1,9 @@
-//! The posterior of the inputs by tempered particles (sequential Monte Carlo, Del Moral, Doucet and Jasra, "Sequential
-//! Monte Carlo samplers", Journal of the Royal Statistical Society B 68, 411 (2006)).
+//! Samples the posterior of the inputs by sequential Monte Carlo with tempering (Del Moral, Doucet and Jasra,
+//! "Sequential Monte Carlo samplers", Journal of the Royal Statistical Society B 68, 411 (2006)).
 //!
-//! N particles begin as draws from the prior and pass through the densities p(z) exp(tau l(z)), with tau from 0 to 1. A
-//! step raises tau until the effective number of particles is N/2, resamples, and moves the particles until they have
-//! forgotten their places. A move proposes, with y = V^T z in the r directions V that the readings inform,
+//! N particles start as draws from the prior and pass through the densities p(z) exp(tau l(z)) while tau increases from
+//! 0 to 1. Each step raises tau until the effective sample size is N/2, resamples, and moves the particles until they
+//! have decorrelated. In the r directions V informed by the readings, with y = V^T z, a move proposes
 //!
 //! ```text
 //! e  = L^-1 (y - m),   g = 2 Gamma((r+5)/2, 1)/(5 + |e|^2)
@@ -11,12 +11,12 @@
 //! w' = sqrt(1-b^2) (z - V y) + b (I - V V^T) xi,   z' = V y' + w'
 //! ```
 //!
-//! The first is reversible for a Student t of 5 degrees of freedom around m with L L^T, the second for the prior
-//! (Cotter, Roberts, Stuart and White, "MCMC methods for functions", Statistical Science 28, 424 (2013)). m and L come
-//! from the other half of the particles, so that a particle does not fit the proposal that moves it. Without the halves
-//! the evidence is too low and directions without data become too narrow.
+//! The first is reversible for a Student t distribution with 5 degrees of freedom, mean m and scale matrix L L^T, the
+//! second for the prior (Cotter, Roberts, Stuart and White, "MCMC methods for functions", Statistical Science 28, 424
+//! (2013)). m and L are computed from the other half of the particles, so that no particle influences its own proposal.
+//! Without this split, the evidence is biased low and directions without data become too narrow.
 //!
-//! All random numbers are functions of seed, step, move and particle: results depend neither on threads nor on
+//! All random numbers are functions of seed, step, move and particle, so results depend neither on threads nor on
 //! interruptions between moves.
 
 use std::collections::{BTreeMap, VecDeque};
@@ -31,46 +31,48 @@ use crate::random::Stream;
 use crate::statistics::{correlation, effective_size, log_mean_exp, moments};
 use crate::subspace::{Reference, Regression, directions};
 
-/// Degrees of freedom of the proposal within the informed directions.
+/// Degrees of freedom of the proposal in the informed directions.
 const DEGREES: f64 = 5.0;
 
-/// Size of a move at first, and the ends of its range.
+/// Initial step size of the moves, and its range.
 const FIRST_SIZE: f64 = 0.6;
 const SIZES: [f64; 2] = [0.02, 0.98];
 
-/// Acceptance to which the size of the moves is adapted.
+/// Target acceptance rate of the moves.
 const ACCEPTANCE: f64 = 0.3;
 
-/// Fewest moves of a step, and the correlation with the places before them at which they end.
+/// Fewest moves per step, and the correlation with the starting points below which moving stops.
 const FEWEST_MOVES: usize = 3;
 const FORGOTTEN: f64 = 0.15;
 
-/// Populations of the archive from which directions are found.
+/// Number of populations in the archive from which directions are computed.
 const ARCHIVED: usize = 6;
 
 /// Smallest rise of tau.
 const LEAST_RISE: f64 = 1e-9;
 
-/// Largest difference of the halves' log evidence, of their means in standard errors, largest correlation with the
-/// places before the last step's moves, and smallest size of a move, of a run that has converged.
+/// Convergence criteria: largest difference between the halves' log evidence, largest difference between their means in
+/// standard errors, largest correlation with the points before the moves of the last step, and smallest step size.
 const HALVES_APART: f64 = 1.5;
 const MEANS_APART: f64 = 4.0;
 const NOT_FORGOTTEN: f64 = 0.985;
 const SMALLEST_SIZE: f64 = 0.05;
 
-/// Particles for each initial ancestor that a converged run has at most.
-const PARTICLES_PER_ANCESTOR: usize = 20;
+/// Particles for each initial ancestor that a converged run has at most, and its fewest ancestors: the width of a 90 %
+/// interval of n independent normal draws has the relative standard error 0.9/sqrt(n), 16 % of 32.
+const PARTICLES_PER_ANCESTOR: usize = 8;
+const FEWEST_ANCESTORS: usize = 32;
 
-/// How a sampler runs.
+/// Settings of a sampler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Most moves of a step.
+    /// Most moves per step.
     pub moves: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// A draw from the prior whose outcomes are those observed, with its predictions.
+/// A draw from the prior that yields the observed outcomes, with its predictions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// The point.
@@ -86,35 +88,35 @@ pub struct Particle {
     pub z: Vec<f64>,
     /// A prediction for each reading.
     pub predictions: Vec<Prediction>,
-    /// l, log-likelihood of the readings that count.
+    /// l, log-likelihood of the conditioning readings.
     pub log_likelihood: f64,
-    /// Number of the candidate from which it descends.
+    /// Index of the candidate from which it descends.
     pub ancestor: usize,
 }
 
 /// A step of the sampler.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
-    /// tau of the step.
+    /// tau after raising.
     pub temperature: f64,
-    /// Moves so far.
+    /// Moves made so far.
     pub moves: usize,
-    /// Part of the last move's proposals that was accepted.
+    /// Acceptance rate of the last move.
     pub acceptance: f64,
-    /// b, size of the next move.
+    /// b, step size of the next move.
     pub size: f64,
     /// r, number of informed directions.
     pub directions: usize,
-    /// Initial candidates that have descendants.
+    /// Number of initial candidates that have descendants.
     pub ancestors: usize,
-    /// Mean correlation with the places before the moves, of the informed directions and of all variables.
+    /// Mean correlation with the points before the moves: over the informed directions and over all variables.
     pub correlations: [f64; 2],
 }
 
-/// Points and their predictions, in the order of the readings that count.
+/// Points with their predictions, in the order of the conditioning readings.
 type Population = Vec<(Vec<f64>, Vec<f64>)>;
 
-/// The state of a run between two moves; it can be stored and continued.
+/// The state of a run between two moves; it can be stored and resumed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The particles.
@@ -123,21 +125,21 @@ pub struct State {
     pub temperature: f64,
     /// All steps so far.
     pub steps: Vec<Step>,
-    /// Points for which at least one condition was simulated.
+    /// Number of points for which at least one condition was simulated.
     pub likelihoods: u64,
-    /// Conditions that were simulated.
+    /// Number of condition simulations.
     pub simulations: u64,
-    /// Proposals that were refused at tau = 1 for their outcome, by its name.
+    /// Counts, by outcome, of proposals at tau = 1 that were rejected because of their outcome.
     pub refusals: BTreeMap<String, u64>,
-    /// Log evidence by each half, relative to candidates with the observed outcomes, without
+    /// Log evidence from each half, relative to candidates with the observed outcomes and without
     /// [`Likelihood::constant`].
     pub log_evidence: [f64; 2],
-    /// Whether the moves of the present step have ended.
+    /// Whether the moves of the current step are complete.
     is_settled: bool,
     size: f64,
-    /// Places before the moves of the present step.
+    /// Points before the moves of the current step.
     places: Vec<Vec<f64>>,
-    /// V by columns.
+    /// V, by columns.
     directions: Vec<Vec<f64>>,
     archive: VecDeque<Population>,
 }
@@ -148,7 +150,7 @@ impl State {
         self.temperature >= 1.0 && self.is_settled
     }
 
-    /// Initial candidates that have descendants.
+    /// Number of initial candidates that have descendants.
     pub fn ancestors(&self) -> usize {
         let mut ancestors: Vec<usize> = self.particles.iter().map(|own| own.ancestor).collect();
         ancestors.sort_unstable();
@@ -160,7 +162,7 @@ impl State {
 /// Why a run has not converged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum NotConverged {
-    /// The halves disagree on the evidence.
+    /// The halves disagree on the evidence, by this much.
     #[error("the two halves of the draws differ by {0:.2} in log evidence (limit 1.5)")]
     Evidence(f64),
     /// The halves disagree on a prediction.
@@ -179,24 +181,24 @@ pub enum NotConverged {
         /// The limit.
         least: usize,
     },
-    /// The last moves were too small.
+    /// The step size of the last moves was too small.
     #[error("the last moves were {0:.3} of the prior's width (at least 0.05)")]
     Size(f64),
-    /// The last moves left the particles near their places.
+    /// The last moves left the particles correlated with their starting points.
     #[error("after the last moves the draws correlate by {0:.3} with their places before (limit 0.985)")]
     Correlation(f64),
 }
 
-/// How far a finished run can be trusted.
+/// Reliability of a finished run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
-    /// Log evidence of the readings among candidates with the observed outcomes.
+    /// Log evidence of the readings, among candidates with the observed outcomes.
     pub log_evidence: f64,
-    /// Difference of the halves' log evidence.
+    /// Difference between the halves' log evidence.
     pub halves_apart: f64,
-    /// Initial candidates that have descendants.
+    /// Number of initial candidates that have descendants.
     pub ancestors: usize,
-    /// Why the run has not converged; empty if it has.
+    /// Reasons why the run has not converged; empty if it has.
     pub faults: Vec<NotConverged>,
 }
 
@@ -209,17 +211,17 @@ pub struct Sampler<'a, S> {
     counting: Vec<usize>,
 }
 
-/// A proposal and what became of it.
+/// A proposal and its fate.
 struct Moved {
     /// The new particle, if the proposal was accepted.
     accepted: Option<Particle>,
-    /// Predictions of a proposal that was simulated completely.
+    /// Predictions of a proposal, if it was simulated completely.
     complete: Option<(Vec<f64>, Vec<f64>)>,
     simulations: u64,
     refusal: Option<&'static str>,
 }
 
-/// Frame of all proposals of a move for the particles of one half.
+/// Data shared by all proposals of a move for the particles of one half.
 struct Frame {
     directions: DMatrix<f64>,
     reference: Option<Reference>,
@@ -242,7 +244,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         }
     }
 
-    /// The state before the first step. Candidates without a likelihood are left out.
+    /// The state before the first step. Candidates with zero likelihood are discarded.
     pub fn begin(&self, candidates: Vec<Candidate>) -> State {
         let particle = |(ancestor, Candidate { z, predictions }): (usize, Candidate)| {
             let log_likelihood = self.likelihood.total(&z, &predictions);
@@ -273,7 +275,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         }
     }
 
-    /// Runs to the end and calls `after` after every move.
+    /// Runs to completion and calls `after` after every move.
     pub fn run(&self, state: &mut State, mut after: impl FnMut(&State)) {
         while !state.is_finished() {
             self.advance(state);
@@ -281,7 +283,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         }
     }
 
-    /// One move, the first of a step after raising the temperature.
+    /// Makes one move; the first of a step follows the raising of tau.
     pub fn advance(&self, state: &mut State) {
         if state.is_finished() {
             return;
@@ -292,7 +294,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         self.move_all(state);
     }
 
-    /// A point with its predictions in the order of the readings that count.
+    /// A point with its predictions in the order of the conditioning readings.
     fn row(&self, z: &[f64], predictions: &[Prediction]) -> (Vec<f64>, Vec<f64>) {
         let total = |&k: &usize| predictions[k].value() + self.likelihood.shared(k, z);
         (z.to_vec(), self.counting.iter().map(total).collect())
@@ -448,7 +450,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         self.judge(proposed, need, particle.ancestor)
     }
 
-    /// Simulates a proposal condition by condition, and stops as soon as it cannot be accepted.
+    /// Simulates a proposal condition by condition and stops as soon as it can no longer be accepted.
     fn judge(&self, z: Vec<f64>, need: f64, ancestor: usize) -> Moved {
         let mut predictions = vec![Prediction::Missing; self.likelihood.data().len()];
         let mut log_likelihood = 0.0;
@@ -489,7 +491,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         moved
     }
 
-    /// How far a finished run can be trusted.
+    /// Assesses the reliability of a finished run.
     pub fn diagnostics(&self, state: &State) -> Diagnostics {
         let halves_apart = (state.log_evidence[0] - state.log_evidence[1]).abs();
         let ancestors = state.ancestors();
@@ -508,7 +510,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
                 faults.push(NotConverged::Mean { name, errors });
             }
         }
-        let least = state.particles.len() / PARTICLES_PER_ANCESTOR;
+        let least = (state.particles.len() / PARTICLES_PER_ANCESTOR).max(FEWEST_ANCESTORS);
         if ancestors < least {
             faults.push(NotConverged::Ancestors { ancestors, least });
         }
@@ -530,7 +532,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
     }
 }
 
-/// Rise of tau that leaves half of the particles effective; to 1 if more remain.
+/// The value of tau that leaves half of the particles effective, or 1 if more than half remain.
 fn rise(log: &[f64], temperature: f64) -> f64 {
     let enough = 0.5 * log.len() as f64;
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -554,7 +556,7 @@ fn rise(log: &[f64], temperature: f64) -> f64 {
     low.max(LEAST_RISE).min(rest)
 }
 
-/// Systematic resampling: as many places as weights, by one uniform number.
+/// Systematic resampling: draws as many indices as there are weights, from one uniform number.
 fn systematic(weights: &[f64], uniform: f64) -> Vec<usize> {
     let total: f64 = weights.iter().sum();
     let n = weights.len();

@@ -1,14 +1,14 @@
 //! Statistics of weighted draws.
 
-/// The value below which a share `p` of some values lies; sorts them. The points of the distribution are those of the
-/// middles of equal parts, with straight lines between. NaN without values.
+/// The `p` quantile of some values, which are sorted in place. The values are the points of the distribution at the
+/// midpoints of equal parts, with linear interpolation. NaN if there are no values.
 pub fn quantile_of(values: &mut [f64], p: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let weights = vec![1.0; values.len()];
     sorted_quantile(values, &weights, p)
 }
 
-/// As [`quantile_of`], of weighted values; weights need not sum to 1.
+/// Same as [`quantile_of`] for weighted values; the weights need not sum to 1.
 pub fn weighted_quantile(values: &[f64], weights: &[f64], p: f64) -> f64 {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -34,7 +34,7 @@ fn sorted_quantile(values: &[f64], weights: &[f64], p: f64) -> f64 {
     previous.map_or(f64::NAN, |(_, value)| value)
 }
 
-/// Effective number of draws of weights, (sum w)^2/sum w^2; 0 where all weights are 0.
+/// Effective sample size (sum w)^2/sum w^2; 0 if all weights are 0.
 pub fn effective_size(weights: &[f64]) -> f64 {
     let (sum, squares) = weights
         .iter()
@@ -42,7 +42,7 @@ pub fn effective_size(weights: &[f64]) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
-/// log(mean exp x) of numbers, without overflow.
+/// log(mean exp x), without overflow.
 pub fn log_mean_exp(numbers: &[f64]) -> f64 {
     let most = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if most == f64::NEG_INFINITY {
@@ -52,7 +52,7 @@ pub fn log_mean_exp(numbers: &[f64]) -> f64 {
     most + (sum / numbers.len() as f64).ln()
 }
 
-/// Pearson's correlation; 0 where one of the two is constant.
+/// Pearson's correlation; 0 if either variable is constant.
 pub fn correlation(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
@@ -67,7 +67,7 @@ pub fn rank_correlation(x: &[f64], y: &[f64]) -> f64 {
     correlation(&ranks(x), &ranks(y))
 }
 
-/// Ranks from 0; equal values have their mean rank.
+/// Ranks from 0; ties share their mean rank.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -86,7 +86,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// Mean and standard deviation of numbers; the divisor of the variance is their count.
+/// Mean and standard deviation; the variance is divided by the number of values.
 pub fn moments(numbers: &[f64]) -> [f64; 2] {
     let n = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / n;

@@ -1,29 +1,30 @@
-//! The directions of the inputs that the readings inform, and the proposal within them.
+//! The directions in input space that the readings inform, and the proposal within them.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::statistics::quantile_of;
 
-/// Ridge of the regression, for each row.
+/// Ridge parameter of the regression, per row.
 const RIDGE: f64 = 1e-4;
 
-/// Effect of a direction on the readings, in their scales for one standard deviation, above which it is informed.
+/// A direction is informed if a change by one standard deviation changes the readings by more than this many error
+/// scales.
 const INFORMED: f64 = 0.3;
 
-/// Robust standard deviations at which a reading's regressand is clipped.
+/// Number of robust standard deviations at which the regressand of a reading is clipped.
 const CLIPPED: f64 = 4.0;
 
-/// Ratio of standard deviation and median absolute deviation of the normal distribution.
+/// Ratio of the standard deviation to the median absolute deviation of a normal distribution.
 const NORMAL_MAD: f64 = 1.482_602_218_505_602;
 
-/// Points and their predictions in units of the readings' scales; rows are points.
+/// Points and their predictions, in units of the readings' scales; one row per point.
 pub(crate) struct Regression {
     pub(crate) points: DMatrix<f64>,
     pub(crate) predictions: DMatrix<f64>,
 }
 
-/// An orthonormal basis (variables x r) of the informed directions: the left singular vectors of the ridge regression
-/// B = (X^T X + 1e-4 n I)^-1 X^T Y with singular values above 0.3, without the variables that rules tie.
+/// An orthonormal basis (variables x r) of the informed directions: the left singular vectors of the ridge regression B
+/// = (X^T X + 1e-4 n I)^-1 X^T Y whose singular values exceed 0.3, excluding variables constrained by rules.
 pub(crate) fn directions(regression: Regression, ruled: &[bool]) -> DMatrix<f64> {
     let Regression {
         mut points,
@@ -74,9 +75,9 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
-    /// Of points (r x n): the covariance is shrunk towards the identity, the prior's, by the weight of Ledoit and Wolf
-    /// ("A well-conditioned estimator for large-dimensional covariance matrices", Journal of Multivariate Analysis 88,
-    /// 365 (2004)). None of points that are not finite.
+    /// Estimates the reference from points (r x n). The covariance is shrunk towards the identity, that of the prior,
+    /// with the weight of Ledoit and Wolf ("A well-conditioned estimator for large-dimensional covariance matrices",
+    /// Journal of Multivariate Analysis 88, 365 (2004)). None if any point is not finite.
     pub(crate) fn of(points: &DMatrix<f64>) -> Option<Self> {
         let (r, n) = points.shape();
         let mean = points.column_mean();

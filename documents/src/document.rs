@@ -1,4 +1,4 @@
-//! A TOML file as text.
+//! TOML documents: the text of a file and its path.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,29 +17,29 @@ pub struct Document {
     text: Arc<str>,
 }
 
-/// Why a file is not a TOML document.
+/// Why a file cannot be read as a TOML document.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DocumentError {
-    /// Bytes that are not UTF-8.
+    /// The file is not UTF-8.
     #[error("line {line} holds bytes that are not UTF-8")]
     NotText {
-        /// Line of the first of them, from 1.
+        /// Line of the first invalid byte, from 1.
         line: usize,
     },
-    /// Text that is not TOML.
+    /// The text is not valid TOML.
     #[error("this is not TOML: {message}")]
     Syntax {
-        /// The fault that the reader found.
+        /// Message of the parser.
         message: String,
-        /// Where.
+        /// Location of the error.
         at: Box<Place>,
     },
 }
 
 impl Document {
-    /// A text; `path` is for messages, and its folder for the files that the text names.
+    /// Creates a document from text. `path` appears in messages, and file names in the text are relative to its folder.
     pub fn new(path: &Path, text: &str) -> Self {
-        // A byte order mark does not belong to the first key.
+        // A byte order mark must not become part of the first key.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Self {
             path: path.to_owned(),
@@ -47,7 +47,7 @@ impl Document {
         }
     }
 
-    /// The content of a file.
+    /// Decodes the content of a file.
     ///
     /// # Errors
     /// [`DocumentError::NotText`].
@@ -72,12 +72,12 @@ impl Document {
         &self.text
     }
 
-    /// A file relative to the folder of this one.
+    /// Path of a file that is named relative to the folder of this one.
     pub fn sibling(&self, name: &str) -> PathBuf {
         self.path.with_file_name("").join(name)
     }
 
-    /// The place of a span of bytes, cut to whole characters.
+    /// The place of a span of bytes, trimmed to character boundaries.
     pub fn place(&self, span: Range<usize>) -> Box<Place> {
         let start = (0..=span.start.min(self.text.len()))
             .rev()
@@ -96,7 +96,7 @@ impl Document {
         })
     }
 
-    /// Its keys with their spans.
+    /// Parses the text into its keys with their spans.
     ///
     /// # Errors
     /// [`DocumentError::Syntax`].

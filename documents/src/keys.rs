@@ -15,7 +15,7 @@ use super::value::found;
 /// A value with its span.
 pub type Value<'i> = Spanned<DeValue<'i>>;
 
-/// A key that is wrong, missing or unknown.
+/// A key that is invalid, missing or unknown.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}, line {}: `{key}` {problem}", at.file(), at.line())]
 pub struct KeyError {
@@ -25,14 +25,14 @@ pub struct KeyError {
     pub problem: String,
     /// The remedy.
     pub help: String,
-    /// Where: at the value, or at the table that lacks the key.
+    /// Location: the value, or the table in which the key is missing.
     pub at: Box<Place>,
 }
 
 /// A table of a document: its name, its keys and its place.
 pub struct Keys<'t, 'i> {
     document: &'t Document,
-    /// What the document is, in one word: a manifest.
+    /// What the document is, in one word, for messages: a manifest, for example.
     noun: &'static str,
     name: String,
     keys: &'t DeTable<'i>,
@@ -40,7 +40,7 @@ pub struct Keys<'t, 'i> {
 }
 
 impl<'t, 'i> Keys<'t, 'i> {
-    /// The outermost table of a document. `noun` is what the document is, for messages.
+    /// The root table of a document. `noun` names the kind of document in messages.
     pub fn of_document(document: &'t Document, keys: &'t DeTable<'i>, noun: &'static str) -> Self {
         Self {
             document,
@@ -51,7 +51,7 @@ impl<'t, 'i> Keys<'t, 'i> {
         }
     }
 
-    /// The full name of the table; empty for the outermost one.
+    /// The full name of the table; empty for the root table.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -66,7 +66,7 @@ impl<'t, 'i> Keys<'t, 'i> {
         self.span.clone()
     }
 
-    /// The full name of a key; that of the table itself for none.
+    /// The full name of a key; the name of the table itself if `key` is empty.
     pub fn full(&self, key: &str) -> String {
         match (self.name.as_str(), key) {
             ("", name) | (name, "") => name.to_owned(),
@@ -74,7 +74,7 @@ impl<'t, 'i> Keys<'t, 'i> {
         }
     }
 
-    /// An error at a place.
+    /// Creates an error at a place.
     pub fn wrong(&self, key: &str, span: Range<usize>, problem: String, help: String) -> KeyError {
         KeyError {
             key: self.full(key),
@@ -84,16 +84,16 @@ impl<'t, 'i> Keys<'t, 'i> {
         }
     }
 
-    /// An error of a key: at its value, or at the table that lacks it.
+    /// Creates an error for a key, located at its value or else at the table.
     pub fn error(&self, key: &str, problem: impl Into<String>, help: impl Into<String>) -> KeyError {
         let span = self.keys.get(key).map_or_else(|| self.span.clone(), Spanned::span);
         self.wrong(key, span, problem.into(), help.into())
     }
 
-    /// Refuses keys that are none of these.
+    /// Rejects any key that is not in `known`.
     ///
     /// # Errors
-    /// The first unknown key.
+    /// [`KeyError`] for the first unknown key.
     pub fn only(&self, known: &[&str]) -> Result<(), KeyError> {
         let unknown = self.keys.keys().find(|key| !known.contains(&key.get_ref().as_ref()));
         unknown.map_or(Ok(()), |key| Err(self.unknown(key, known)))
@@ -112,19 +112,19 @@ impl<'t, 'i> Keys<'t, 'i> {
         self.keys.get(key)
     }
 
-    /// The value of a key that must be there. `example` shows it in the remedy.
+    /// The value of a required key. `example` shows the key in the remedy.
     ///
     /// # Errors
-    /// A missing key.
+    /// [`KeyError`] if the key is missing.
     pub fn required(&self, key: &str, example: &str) -> Result<&'t Value<'i>, KeyError> {
         self.get(key)
             .ok_or_else(|| self.error(key, "is missing", format!("add it, as {key} = {example}")))
     }
 
-    /// A text that is not empty. `example` shows the value in the remedy.
+    /// A nonempty string. `example` shows the value in the remedy.
     ///
     /// # Errors
-    /// Another kind of value.
+    /// [`KeyError`] if the value is not a nonempty string.
     pub fn text(&self, key: &str, example: &str) -> Result<Option<&'t str>, KeyError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let text = value.get_ref().as_str().filter(|text| !text.trim().is_empty());
@@ -137,7 +137,7 @@ impl<'t, 'i> Keys<'t, 'i> {
     /// A table within this one. `example` shows it in the remedy.
     ///
     /// # Errors
-    /// Another kind of value.
+    /// [`KeyError`] if the value is not a table.
     pub fn table(&self, key: &str, example: &str) -> Result<Option<Self>, KeyError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let keys = value.get_ref().as_table().ok_or_else(|| {
@@ -156,7 +156,7 @@ impl<'t, 'i> Keys<'t, 'i> {
     /// A whole number from 1 to `most`.
     ///
     /// # Errors
-    /// Another value.
+    /// [`KeyError`] if the value is anything else.
     pub fn count(&self, key: &str, most: usize) -> Result<Option<usize>, KeyError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let count = match value.get_ref() {
@@ -172,25 +172,30 @@ impl<'t, 'i> Keys<'t, 'i> {
             })
     }
 
-    /// A quantity within limits, both in SI units.
+    /// A quantity within limits; both in SI units.
     ///
     /// # Errors
-    /// Another kind of value, another unit, or a value outside the limits.
+    /// [`KeyError`] if the value has the wrong type or unit, or lies outside the limits.
     pub fn quantity(&self, key: &str, dimension: Dimension, limits: [f64; 2]) -> Result<Option<f64>, KeyError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let read = self.number(key, value, |text| measure(text, dimension))?;
         self.within(key, read, limits, &dimension.unit()).map(Some)
     }
 
-    /// The value of a key, if it lies within limits of the same unit.
+    /// Checks that the value of a key lies within limits given in the same unit.
     ///
     /// # Errors
-    /// A value outside.
+    /// [`KeyError`] if it does not.
     pub fn within(&self, key: &str, value: f64, [low, high]: [f64; 2], unit: &str) -> Result<f64, KeyError> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        let problem = format!("is {value} {unit}, outside {low} to {high} {unit}");
+        let unit = if unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {unit}")
+        };
+        let problem = format!("is {value}{unit}, outside {low} to {high}{unit}");
         Err(self.error(
             key,
             problem,
@@ -198,10 +203,10 @@ impl<'t, 'i> Keys<'t, 'i> {
         ))
     }
 
-    /// A number in SI units, or a text that `read` understands.
+    /// A number in SI units, or a string that `read` converts.
     ///
     /// # Errors
-    /// Another kind of value, or one that is not finite; the reason that `read` gives.
+    /// [`KeyError`] if the value has the wrong type or is not finite, or if `read` rejects it.
     pub fn number(
         &self,
         key: &str,
@@ -230,7 +235,7 @@ impl<'t, 'i> Keys<'t, 'i> {
     /// Three lengths \[m\].
     ///
     /// # Errors
-    /// Another kind of value.
+    /// [`KeyError`] if the value is not a list of three lengths.
     pub fn point(&self, key: &str, value: &Value<'_>) -> Result<[f64; 3], KeyError> {
         let list = value.get_ref().as_array().map_or(&[][..], |array| array);
         let [x, y, z] = list else {

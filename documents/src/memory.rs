@@ -2,20 +2,20 @@
 
 use std::str::FromStr;
 
-/// Share of the free memory that a run may use by default.
+/// Fraction of the free memory that a run may use by default.
 const SHARE: f64 = 0.75;
 
-/// The most memory that one stage may need.
+/// Limit on the memory of one stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MemoryLimit {
-    /// \[GB\]
+    /// Limit \[GB\].
     pub gigabytes: f64,
-    /// Whether the user gave it, and not the machine.
+    /// Whether the user set the limit, instead of the default for the machine.
     pub given: bool,
 }
 
 impl Default for MemoryLimit {
-    /// Three quarters of the free memory; no limit if the system does not state it.
+    /// Three quarters of the free memory; no limit if the system does not report it.
     fn default() -> Self {
         Self {
             gigabytes: available().map_or(f64::INFINITY, |free| SHARE * free),
@@ -25,7 +25,7 @@ impl Default for MemoryLimit {
 }
 
 impl MemoryLimit {
-    /// Whether a stage that needs this much \[GB\] may be computed.
+    /// Whether a stage that needs `gigabytes` \[GB\] may run.
     pub fn allows(self, gigabytes: f64) -> bool {
         gigabytes <= self.gigabytes
     }
@@ -63,8 +63,8 @@ impl FromStr for MemoryLimit {
     }
 }
 
-/// Memory that the system can give this process \[GB\]: the available memory of the machine, or of its control group if
-/// that is less. None if the system does not state it.
+/// Memory available to this process \[GB\]: that of the machine, or of its control group if that is less. None if the
+/// system does not report it.
 pub fn available() -> Option<f64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| {
@@ -78,14 +78,14 @@ pub fn available() -> Option<f64> {
     Some(address_space().map_or(free, |most| free.min(most)))
 }
 
-/// Limit of this process's address space (`ulimit -v`) \[GB\]; none without a limit, or if the system does not state
-/// it.
+/// Limit of the address space of this process (`ulimit -v`) \[GB\]; none if it is unlimited or the system does not
+/// report it.
 pub fn address_space() -> Option<f64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     limit_of_address_space(&limits)
 }
 
-/// The soft limit in the table of `/proc/self/limits` \[GB\]; none for `unlimited`.
+/// Parses the soft limit from `/proc/self/limits` \[GB\]; none for `unlimited`.
 fn limit_of_address_space(limits: &str) -> Option<f64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let bytes: f64 = line.split_whitespace().next()?.parse().ok()?;

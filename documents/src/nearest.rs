@@ -1,12 +1,12 @@
-//! The known word that is most like an unknown one.
+//! Finds the known word closest to an unknown one.
 
-/// Edits that still count as a slip of the finger, for a word of this length.
+/// Number of edits that still count as a typing error in a word of this length.
 fn tolerance(word: &str) -> usize {
     (word.chars().count() / 4).clamp(1, 3)
 }
 
-/// The word most like `name`, if any is near: at most one edit (Damerau, Levenshtein) for four characters, and at most
-/// three.
+/// The word closest to `name` by Damerau-Levenshtein distance. Words of four characters may differ by one edit, longer
+/// ones by up to three.
 pub fn nearest<'a>(words: impl Iterator<Item = &'a str>, name: &str) -> Option<&'a str> {
     let name = name.to_lowercase();
     words

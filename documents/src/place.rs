@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use miette::{LabeledSpan, NamedSource, SourceCode};
 
-/// A place in a document, the target of an error.
+/// A location in a document, for error messages.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub(crate) source: NamedSource<Arc<str>>,
@@ -15,7 +15,7 @@ pub struct Place {
     pub(crate) column: usize,
 }
 
-/// Places are the same if file and bytes are.
+/// Places are equal if their files and byte ranges are.
 impl PartialEq for Place {
     fn eq(&self, other: &Self) -> bool {
         self.file() == other.file() && self.span == other.span
@@ -38,7 +38,7 @@ impl Place {
         self.column
     }
 
-    /// Its bytes in the text.
+    /// Its byte range in the text.
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
     }

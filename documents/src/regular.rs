@@ -1,17 +1,17 @@
-//! Reading of input files: regular ones of a bounded length, so that no pipe or device can hang a program or fill its
-//! memory.
+//! Reads input files: regular files of limited length only, so that a pipe or device cannot block the program or fill
+//! its memory.
 
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-/// Opens a file for reading; its length in bytes.
+/// Opens a regular file for reading and returns its length in bytes.
 ///
 /// # Errors
-/// Those of the file system; [`io::ErrorKind::InvalidInput`] for a folder, a pipe or a device.
+/// Errors of the file system; [`io::ErrorKind::InvalidInput`] for a folder, a pipe or a device.
 pub fn open_regular(path: &Path) -> io::Result<(File, u64)> {
     let invalid = |what: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, what));
-    // Before it is opened: to open a pipe is to wait for its writer.
+    // Checked before opening, because opening a pipe blocks until there is a writer.
     let data = std::fs::metadata(path)?;
     if data.is_dir() {
         return invalid("it is a folder; give a file");
@@ -22,10 +22,10 @@ pub fn open_regular(path: &Path) -> io::Result<(File, u64)> {
     Ok((File::open(path)?, data.len()))
 }
 
-/// Reads a file whole.
+/// Reads a regular file completely.
 ///
 /// # Errors
-/// Those of [`open_regular`]; [`io::ErrorKind::InvalidInput`] for a file longer than `most` bytes.
+/// Those of [`open_regular`]; [`io::ErrorKind::InvalidInput`] for a file of more than `most` bytes.
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let (file, length) = open_regular(path)?;
     let too_long = |length: u64| {
@@ -40,7 +40,7 @@ pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return too_long(length);
     }
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // A file that grows meanwhile stays bounded.
+    // The file may grow while it is read; the limit still applies.
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return too_long(bytes.len() as u64);

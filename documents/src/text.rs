@@ -1,18 +1,19 @@
-//! Text of instruments and spreadsheets, in whatever encoding: UTF-8, UTF-16 ("Unicode text" of Excel), Windows-1252.
+//! Text files from instruments and spreadsheets in any of the usual encodings: UTF-8, UTF-16 ("Unicode text" of Excel)
+//! and Windows-1252.
 //!
-//! The standard library decodes UTF-16, and Windows-1252 differs from Unicode in 27 characters only, so that no crate
-//! is needed. A file of another code page (DOS, Mac OS Roman) reads as Windows-1252: its numbers and English labels are
-//! the same.
+//! No crate is needed: the standard library decodes UTF-16, and Windows-1252 differs from Latin-1 in only 27
+//! characters. A file in another code page (DOS, Mac OS Roman) is decoded as Windows-1252, which preserves its numbers
+//! and English labels.
 
 use std::borrow::Cow;
 
-/// Characters of Windows-1252 at 0x80 to 0x9f; unused ones are the control characters of Latin-1.
+/// Characters 0x80 to 0x9f of Windows-1252; unused ones map to the control characters of Latin-1.
 const WINDOWS_1252: [char; 32] = [
     '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž', '\u{8f}', '\u{90}', '‘', '’',
     '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
 ];
 
-/// Bytes at the start of a file that decide whether it is UTF-16 without a byte order mark.
+/// Number of leading bytes that decide whether a file without a byte order mark is UTF-16.
 const PROBE: usize = 256;
 
 /// Byte orders of UTF-16.
@@ -22,9 +23,9 @@ enum Order {
     Big,
 }
 
-/// A text without its byte order mark, in UTF-8 where it was UTF-16; every other file as it is.
+/// Converts UTF-16 to UTF-8 and removes a byte order mark; returns any other file unchanged.
 ///
-/// Binary parts of a file retain their bytes.
+/// Binary parts of a file are left unchanged.
 pub fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
         return Cow::Borrowed(rest);
@@ -48,7 +49,7 @@ pub fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(text.into_bytes())
 }
 
-/// The byte order of UTF-16 without a mark: every other byte of ASCII is zero.
+/// The byte order of UTF-16 without a mark, detected by the zero in every other byte of ASCII text.
 fn unmarked(bytes: &[u8]) -> Option<Order> {
     let pairs = || bytes[..bytes.len().min(PROBE)].chunks_exact(2);
     if pairs().len() < 2 {
@@ -64,7 +65,7 @@ fn unmarked(bytes: &[u8]) -> Option<Order> {
     }
 }
 
-/// Bytes of one text as characters: UTF-8 if valid, else Windows-1252.
+/// Decodes a text as UTF-8 if valid, else as Windows-1252.
 pub fn characters(bytes: &[u8]) -> Cow<'_, str> {
     let letter = |byte: &u8| match byte {
         0x80..=0x9f => WINDOWS_1252[usize::from(byte - 0x80)],
@@ -76,14 +77,14 @@ pub fn characters(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// A text file as characters, in UTF-8, UTF-16 or Windows-1252, without a byte order mark. None for binary files, which
-/// have bytes that no text has.
+/// Decodes a text file in UTF-8, UTF-16 or Windows-1252 and removes its byte order mark. None for binary files, which
+/// contain bytes that do not occur in text.
 pub fn decode(bytes: &[u8]) -> Option<Cow<'_, str>> {
     let text = match utf8(bytes) {
         Cow::Borrowed(bytes) => characters(bytes),
         Cow::Owned(bytes) => Cow::Owned(characters(&bytes).into_owned()),
     };
-    // Ctrl-Z (0x1a) ends a text of DOS.
+    // DOS text may end with Ctrl-Z (0x1a).
     let foreign = |byte: u8| byte < b' ' && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0b | 0x0c | 0x1a | 0x1b);
     (!text.bytes().any(foreign)).then_some(text)
 }

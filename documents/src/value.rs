@@ -1,8 +1,8 @@
-//! Values of TOML in words, for messages.
+//! Describes TOML values for messages.
 
 use toml::de::DeValue;
 
-/// The value as it is written.
+/// The value as written in the file.
 pub fn found_value(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(text) => format!("\"{text}\""),
@@ -13,7 +13,7 @@ pub fn found_value(value: &DeValue<'_>) -> String {
     }
 }
 
-/// Its kind, with the value where that is short.
+/// The type of the value, with the value itself if it is short.
 pub fn found(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(_) => format!("the text {}", found_value(value)),

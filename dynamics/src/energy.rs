@@ -14,21 +14,21 @@ use serde::Serialize;
 /// of flows are enthalpies c_p T m at the temperature of their origin, counted from 0 K: a kilogram of air at ambient
 /// temperature carries 294 kJ in either direction.
 ///
-/// The published forms of gas law, channel and valve underside do not conserve energy (C-02, C-03, C-06); the flow is
-/// still stated for them, and the residuals are the energy that is lost.
+/// The published forms of gas law, channel and valve underside do not conserve energy (C-02, C-03, C-06). The flow is
+/// still given for them; the residuals show the energy lost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct EnergyFlow {
     /// Internal energy of the gas in all volumes at the trigger pull.
     pub gas_start: f64,
     /// The same at the end.
     pub gas_end: f64,
-    /// Enthalpy in from the hose.
+    /// Enthalpy inflow from the hose.
     pub supply: f64,
-    /// Enthalpy out of the exhaust holes.
+    /// Enthalpy outflow through the exhaust holes.
     pub exhaust: f64,
-    /// Enthalpy out of the trigger's vent.
+    /// Enthalpy outflow through the trigger's vent.
     pub vent: f64,
-    /// Enthalpy out of the rod-guide leak.
+    /// Enthalpy outflow through the rod-guide leak.
     pub leak: f64,
     /// Heat from the walls into the gas.
     pub wall_heat: f64,
@@ -58,7 +58,7 @@ pub struct EnergyFlow {
     pub nail_left: f64,
     /// Dissipated in the contacts.
     pub contacts: ContactEnergy,
-    /// Work on an external workpiece; 0 where the workpiece is a lumped mass of the cycle.
+    /// Work on an external workpiece; 0 if the workpiece is a lumped mass of the cycle.
     pub wood: f64,
     /// Dissipated between hand and tool.
     pub hand_damping: f64,
@@ -72,7 +72,7 @@ pub struct EnergyFlow {
     pub elastic_end: f64,
 }
 
-/// Energy dissipated in each contact \[J\]: by its dashpot, and the energy of its spring if it opens while compressed.
+/// Energy dissipated in each contact \[J\]: by its dashpot, plus the energy of its spring if it opens while compressed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct ContactEnergy {
     /// Piston on the bumper.
@@ -97,7 +97,7 @@ impl ContactEnergy {
 }
 
 impl EnergyFlow {
-    /// Energy dissipated in the mechanics, with the work of penetration \[J\].
+    /// Energy dissipated in the mechanics, including the work of penetration \[J\].
     pub fn dissipated(&self) -> f64 {
         self.piston_friction
             + self.valve_friction

@@ -8,10 +8,10 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CycleError {
-    /// A number is not finite or outside its domain.
+    /// A value is not finite or outside its domain.
     #[error("{name} = {value} must be {rule}")]
     Value {
-        /// Full name of the quantity, as in the design (`piston.mass`).
+        /// Full name of the quantity in the design (`piston.mass`).
         name: String,
         /// The value found.
         value: f64,
@@ -31,7 +31,7 @@ pub enum CycleError {
         /// Largest compression \[m\].
         limit: f64,
     },
-    /// Intake and exhaust would be open together.
+    /// Intake and exhaust would be open at the same time.
     #[error(
         "head_valve.exhaust_lap {exhaust} m exceeds head_valve.intake_lap {intake} m: the supply would blow straight \
          into the exhaust; make the exhaust lap the smaller"
@@ -42,7 +42,7 @@ pub enum CycleError {
         /// Y_he0 \[m\].
         intake: f64,
     },
-    /// A diameter that must be the smaller is not.
+    /// A diameter that must be smaller than another is not.
     #[error("{inner_name} {inner} m must be smaller than {outer_name} {outer} m")]
     DiameterOrder {
         /// Name of the smaller diameter.
@@ -65,7 +65,7 @@ pub enum CycleError {
         /// Height of the head above the nose's face \[m\].
         feed_height: f64,
     },
-    /// The head of the waiting nail would be above the rod's end.
+    /// The head of the waiting nail would be above the end of the rod.
     #[error(
         "nail.feed_height {feed_height} m must be smaller than piston.stroke {stroke} m less piston.rod_protrusion \
          {protrusion} m, where the rod ends before the shot"
@@ -96,13 +96,13 @@ pub enum CycleError {
         /// Nail length \[m\].
         length: f64,
     },
-    /// The law of a fit without a fit.
+    /// A fitted law is chosen but not given.
     #[error(
         "wood.penetration_law = \"fitted\" needs a fitted law; name its file in wood.penetration_fit, or choose \
          another law"
     )]
     NoFit,
-    /// An impact beyond those that a fitted law comes from.
+    /// The impact speed exceeds those of the fitted law's data.
     #[error(
         "the rod strikes the nail at {speed} m/s, and the fitted law holds for {lowest} .. {highest} m/s; add drives \
          at this \
@@ -127,7 +127,7 @@ pub enum CycleError {
         /// Hand force and weights \[N\].
         press: f64,
     },
-    /// Supply pressure does not press the head valve onto its seat before the shot.
+    /// The supply pressure does not press the head valve onto its seat before the shot.
     #[error(
         "the head valve does not close: {force} N on its seat at rest; raise supply.pressure or \
          head_valve.outer_diameter"
@@ -136,7 +136,7 @@ pub enum CycleError {
         /// F_close \[N\].
         force: f64,
     },
-    /// The piston compressed the bumper so far that no volume is left below it.
+    /// The piston compressed the bumper so far that no volume remains below it.
     #[error(
         "dry fire: at {time} s the piston compresses the bumper by {compression} m, more than the dead volume below it \
          allows ({available} m); the nail or wood does not stop this piston"
@@ -149,7 +149,7 @@ pub enum CycleError {
         /// V_02/A_2 \[m\].
         available: f64,
     },
-    /// A gas volume lost its volume or its mass.
+    /// A gas volume or its mass became zero or negative.
     #[error(
         "the {volume} volume collapsed at {time} s (V = {size} m3, m = {mass} kg); check chambers and travel limits"
     )]
@@ -163,7 +163,7 @@ pub enum CycleError {
         /// Its mass \[kg\].
         mass: f64,
     },
-    /// A contact opens and closes without end.
+    /// A contact opens and closes endlessly.
     #[error(
         "chatter: {contact} changed {count} times within {window} s at {time} s, more often than any contact of a \
          nailer \
@@ -174,12 +174,12 @@ pub enum CycleError {
         contact: &'static str,
         /// Changes counted.
         count: usize,
-        /// Window they were counted in \[s\].
+        /// Window in which they were counted \[s\].
         window: f64,
         /// Time \[s\].
         time: f64,
     },
-    /// Cycle and wood do not agree on forces.
+    /// Cycle and wood do not agree on their forces.
     #[error(
         "the cycle and the wood do not agree on their forces at {time} s: {mismatch} N apart, {limit} N allowed; use a \
          smaller settings.sample_interval (in a design analysis.time_step), or couple one way"
@@ -192,7 +192,7 @@ pub enum CycleError {
         /// Largest difference allowed \[N\].
         limit: f64,
     },
-    /// The integration could not go on.
+    /// The integration could not continue.
     #[error(
         "the integration stopped at {time} s: {cause}; \
          a tolerance ten times smaller or larger (settings.relative_tolerance, in a design analysis.cycle_tolerance) \

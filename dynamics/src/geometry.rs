@@ -16,8 +16,9 @@ use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, Suppor
 /// tau = L_ch/c,  c = sqrt(gamma R T_a)
 /// phi = exp(-R_ch L_ch R T_a/(2 P c)),  R_ch = 32 mu/D_ch^2       (Eq. 4.50, laminar)
 /// ```
-/// The laminar attenuation of the reference channel is 0.9981 venting and 0.9997 filling (the source's set rounds to
-/// 0.998 and 0.9998); the flow there is turbulent, and either way the effect is below 1 us (C-22).
+/// The laminar attenuation of the reference channel is 0.9981 for venting and 0.9997 for filling (the source's values
+/// are rounded to 0.998 and 0.9998). The flow there is actually turbulent; either way the effect is less than 1 us
+/// (C-22).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Geometry {
     /// A_1, piston area above \[m2\].
@@ -32,9 +33,9 @@ pub struct Geometry {
     pub valve_supply_area: f64,
     /// A_h3, cylinder side of the head valve \[m2\].
     pub valve_cylinder_area: f64,
-    /// A_ma, exhaust holes \[m2\].
+    /// A_ma, total area of the exhaust holes \[m2\].
     pub exhaust_area: f64,
-    /// y_pbin, piston travel at which the rod strikes the nail's head \[m\].
+    /// y_pbin, piston travel at which the rod hits the nail's head \[m\].
     pub head_gap: f64,
     /// y_pbp, piston travel at which the nail's tip touches the wood \[m\].
     pub tip_gap: f64,
@@ -66,7 +67,7 @@ impl Geometry {
             valve_cylinder_area: p.head_valve.cylinder_area(),
             exhaust_area: p.exhaust.area(),
             head_gap: p.nail.head_gap(&p.piston),
-            tip_gap: p.nail.tip_gap(&p.piston),
+            tip_gap: p.nail.tip_gap(&p.piston) + p.workpiece.groove,
             nail_mass: p.nail.mass(),
             workpiece_mass,
             channel_delay: p.trigger.delay(&p.ambient),
@@ -121,7 +122,7 @@ impl HeadValve {
 }
 
 impl Exhaust {
-    /// A_ma = n pi/4 d^2, area of all holes \[m2\].
+    /// A_ma = n pi/4 d^2, total area of the holes \[m2\].
     pub fn area(&self) -> f64 {
         f64::from(self.holes) * disc(self.hole_diameter)
     }
@@ -148,12 +149,12 @@ impl Nail {
         piston.rod_setback() - self.feed_height
     }
 
-    /// y_pbp, piston travel at which the tip of the nail, its head at the rod's end, touches the wood \[m\].
+    /// y_pbp, piston travel at which the tip of the nail, with its head at the end of the rod, touches the wood \[m\].
     pub fn tip_gap(&self, piston: &Piston) -> f64 {
         piston.rod_setback() - self.length
     }
 
-    /// M_n, mass of the shanks, which the head's thickness shortens, and the head \[kg\].
+    /// M_n, mass of the shanks, whose length excludes the head's thickness, and of the head \[kg\].
     pub fn mass(&self) -> f64 {
         let shank = f64::from(self.legs) * disc(self.diameter) * (self.length - self.head_thickness);
         self.density * (shank + disc(self.head_diameter) * self.head_thickness)
@@ -161,14 +162,14 @@ impl Nail {
 }
 
 impl Block {
-    /// M_w, mass of the block of wood of this density \[kg/m3\] \[kg\].
+    /// M_w, mass of the block of wood with this density \[kg/m3\] \[kg\].
     pub fn mass(&self, density: f64) -> f64 {
         density * self.length * self.width * self.thickness
     }
 }
 
 impl Support {
-    /// c_ws, dashpot of the support under a block of this mass \[kg\] \[N s/m\].
+    /// c_ws, dashpot of the support under a block with this mass \[kg\] \[N s/m\].
     pub fn dashpot(&self, mass: f64) -> f64 {
         match self.damping {
             SupportDamping::Ratio(zeta) => 2.0 * zeta * (self.stiffness * mass).sqrt(),

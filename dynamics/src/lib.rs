@@ -3,6 +3,7 @@
 #[cfg(test)]
 extern crate self as nailnoise_dynamics;
 
+pub mod blow;
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -28,10 +29,10 @@ pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
 pub use log::{Crossing, Direction, LogEntry, LogState};
-pub use nailnoise_penetration::Wood;
+pub use nailnoise_penetration::{NailedWood, Wood};
 pub use parameters::{
-    Ambient, Block, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston,
-    Supply, Support, SupportDamping, Tool, Trigger,
+    Ambient, Block, BlowModel, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters,
+    Piston, Supply, Support, SupportDamping, Tool, Trigger,
 };
 pub use record::{Body, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume, Work};
 pub use settings::{Method, Settings};

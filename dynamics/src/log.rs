@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Something that begins, ends, or passes a level.
+/// Something that begins, ends or crosses a level.
 ///
 /// A rising entry is the beginning: a contact pushes, a passage opens, a flow chokes, a level is exceeded, a motion
 /// turns from up to down (y points down). A falling entry is the end.
@@ -36,7 +36,7 @@ pub enum Crossing {
     RestSpeed,
     /// Piston faster than 0.05 m/s against the tool (t14).
     StillSpeed,
-    /// Guard spring reaches the wood; its fall releases the trigger valve (t12, unless the operator has released it
+    /// Guard spring touches the wood; its fall releases the trigger valve (t12, unless the operator has released it
     /// before).
     Guard,
     /// Nose level below the wood's surface; its rise after t12 is the landing.
@@ -47,17 +47,18 @@ pub enum Crossing {
     PistonOffStopper,
     /// P_1 above 1.02 P_a (t17 at its fall).
     ChamberPressure,
-    /// Intake unchoked: P_1 above the critical part of P_ext, whether or not it is open.
+    /// Intake unchoked: P_1 above the critical fraction of P_ext, whether or not it is open.
     IntakeUnchoked,
-    /// Exhaust choked by the thesis' criterion, P_a below the critical part of P_1, whether or not it is open.
+    /// Exhaust choked by the criterion of the thesis, P_a below the critical fraction of P_1, whether or not it is
+    /// open.
     ChamberChoked,
-    /// Exhaust holes choked, P_a below the critical part of P_m.
+    /// Exhaust holes choked: P_a below the critical fraction of P_m.
     HolesChoked,
-    /// Motion of the piston against the tool.
+    /// Reversal of the piston's motion relative to the tool.
     PistonReversal,
-    /// Motion of the head valve against the tool.
+    /// Reversal of the head valve's motion relative to the tool.
     ValveReversal,
-    /// Motion of the tool.
+    /// Reversal of the tool's motion.
     ToolReversal,
     /// Bumper pushes the piston.
     BumperContact,
@@ -73,7 +74,7 @@ pub enum Crossing {
     SupportContact,
     /// Rod drives the nail; its fall is the first reversal of the piston's own motion.
     NailDriven,
-    /// Nail goes deeper into the wood; its fall is the deepest point so far.
+    /// Nail moves deeper into the wood; its fall is the deepest point so far.
     Penetration,
     /// Rod presses on the nail in the wood.
     NailContact,
@@ -85,7 +86,7 @@ pub enum Crossing {
     Fill,
 }
 
-/// Which way a crossing went.
+/// Direction of a crossing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
@@ -95,7 +96,7 @@ pub enum Direction {
     Falling,
 }
 
-/// State at an entry, after any change.
+/// State at an entry, after any changes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LogState {
     /// y_pr, piston travel \[m\].
@@ -110,13 +111,13 @@ pub struct LogState {
     pub tool_rise: f64,
     /// v_g, velocity of the tool, down \[m/s\].
     pub tool_velocity: f64,
-    /// z, depth of the rod's end, as nail tip depth \[m\].
+    /// z, depth of the rod's end, expressed as nail tip depth \[m\].
     pub tip_depth: f64,
     /// P_1, P_2, P_r, P_h, P_ext \[Pa\].
     pub pressures: [f64; 5],
 }
 
-/// One entry of the log.
+/// An entry of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LogEntry {
     /// Time \[s\].
@@ -143,7 +144,7 @@ impl Direction {
 }
 
 impl Crossing {
-    /// The entry in words: `the piston meets the bumper`.
+    /// Describes the entry in words: `the piston meets the bumper`.
     pub fn describe(self, direction: Direction) -> &'static str {
         let [rising, falling] = self.words();
         match direction {

@@ -4,7 +4,7 @@
 //! [`Geometry`](crate::Geometry). The symbols are those of Nili Ahmadabadi (2016), ch. 4.
 
 use nailnoise_penetration::fit::FittedLaw;
-use nailnoise_penetration::{ForceTable, Wood};
+use nailnoise_penetration::{ForceTable, NailedWood};
 use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{
     Group, KeySpec, Kind, Value, any, choice, component, fraction, gas_pressure, group, nonnegative, positive,
@@ -32,7 +32,7 @@ pub struct Parameters {
     /// The nail and where it stands under the rod.
     pub nail: Nail,
     /// The wood.
-    pub wood: Wood,
+    pub wood: NailedWood,
     /// Friction along the shank as a share of the resistance at full depth; the resistance depends on it outside the
     /// tested sizes of nails.
     pub friction_share: f64,
@@ -109,6 +109,10 @@ group! {
         bore: f64 = positive(LENGTH), "d_c";
         /// Diameter of the driver rod.
         rod_diameter: f64 = positive(LENGTH), "d_r";
+        /// Length of the driver rod from the piston to its end; used by an elastic blow only.
+        rod_length: f64 = positive(LENGTH), "";
+        /// Young's modulus of the driver rod and the nail; used by an elastic blow only.
+        rod_modulus: f64 = positive(PRESSURE).within(1e9, 1e12), "E";
         /// Length of the rod that stands out of the nose's face when the piston touches the bumper; negative where the
         /// rod ends inside the nose.
         rod_protrusion: f64 = any(LENGTH), "";
@@ -172,7 +176,7 @@ group! {
         return_hole_area: f64 = positive(AREA), "A_2r";
         /// Area of the leak past the rod, from below the piston to the atmosphere.
         leak_area: f64 = nonnegative(AREA), "A_lk2";
-        /// Discharge coefficient of all holes, those of the exhaust included.
+        /// Discharge coefficient of the holes between the chambers, of the leak and of the hose.
         discharge_coefficient: f64 = fraction().within(0.01, 1.0), "C_d";
         /// Heat transfer between gas and walls.
         wall_heat_transfer: f64 = nonnegative(HEAT_TRANSFER), "h_w";
@@ -196,6 +200,8 @@ group! {
         holes: u32 = Kind::Count(10_000), "n";
         /// Diameter of one hole.
         hole_diameter: f64 = positive(LENGTH), "d";
+        /// Discharge coefficient of the holes, and of the valve's seat before them.
+        discharge_coefficient: f64 = fraction().within(0.01, 1.0), "C_d";
         /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood.
         thrust_share: f64 = component(), "";
     }
@@ -239,6 +245,8 @@ group! {
         feed_height: f64 = positive(LENGTH), "";
         /// Depth of the head below the wood's surface from which a nail counts as overdriven.
         overdrive_limit: f64 = positive(LENGTH), "";
+        /// Factor of a coating on the friction along the shank: 1 for a bright nail, less for a lubricant.
+        coating: f64 = positive(NUMBER).within(0.01, 10.0), "q";
         /// Friction of magazine and guide on the nail while the rod drives it.
         magazine_friction: f64 = nonnegative(FORCE), "";
     }
@@ -253,6 +261,9 @@ group! {
         width: f64 = positive(LENGTH), "W";
         /// Thickness, in the direction of driving.
         thickness: f64 = positive(LENGTH), "H";
+        /// Depth of a groove in the top along which the nails are driven; 0 for a plain block. The nose stands beside
+        /// it on the top; the nail enters at its bottom.
+        groove: f64 = nonnegative(LENGTH), "";
     }
 }
 
@@ -325,6 +336,16 @@ group! {
 }
 
 choice! {
+    /// Force of the nail on the wood while the rod drives it.
+    BlowModel {
+        /// That of the cycle, where rod and nail are one rigid mass.
+        Rigid = "rigid",
+        /// Above 2 kHz that of rod and nail as elastic bars.
+        Elastic = "elastic",
+    }
+}
+
+choice! {
     /// Which form of one part of the physics is used.
     Form {
         /// The corrected form.
@@ -345,6 +366,8 @@ group! {
         nail: Form = Form::KIND, "nailmode";
         /// Rod on nail: a plastic impact that keeps momentum, or a mass that jumps at constant velocity.
         impact: Form = Form::KIND, "jump";
+        /// Blow of the rod on the nail: rigid, or waves in elastic bars.
+        blow: BlowModel = BlowModel::KIND, "";
         /// Contacts: compression only, or dampers that may pull.
         contacts: Form = Form::KIND, "clampc";
         /// Intake and exhaust: flow both ways, or one way.

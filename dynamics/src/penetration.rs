@@ -1,4 +1,4 @@
-//! The penetration resistance of the nail of a cycle.
+//! Penetration resistance of the nail in a cycle.
 
 use nailnoise_penetration::{Driven, Envelope, Shanks, Specimen};
 
@@ -22,14 +22,15 @@ impl Parameters {
             shanks: Shanks {
                 legs: self.nail.legs,
                 friction_share: self.friction_share,
+                coating: self.nail.coating,
             },
         };
-        Envelope::new(&driven, self.model.nail == Form::Corrected)
+        Envelope::new(&driven, self.nail.head_diameter, self.model.nail == Form::Corrected)
     }
 
     /// Envelope of the penetration resistance \[N\] for the nail's tip at its deepest `depth` \[m\].
     ///
-    /// [`penetration_envelope`](Self::penetration_envelope) serves many depths of one design faster.
+    /// For many depths of one design, [`penetration_envelope`](Self::penetration_envelope) is faster.
     pub fn penetration_resistance(&self, depth: f64) -> f64 {
         self.penetration_envelope().force(depth)
     }

@@ -1,14 +1,14 @@
-//! The published model, for comparison.
+//! The model as published, for comparison.
 
 use std::f64::consts::PI;
 
 use crate::{Form, Model, Parameters, SupportDamping};
 
-/// A_h2 that gives the published valve balance its opening pressure without P_1 on the underside \[m2\] (C-06).
+/// A_h2 that gives the published valve balance its opening pressure, without P_1 on the underside \[m2\] (C-06).
 const PUBLISHED_SUPPLY_AREA: f64 = 376e-6;
 
 impl Parameters {
-    /// The same design with the published nail: elastic penetration and no impact of the rod.
+    /// The same design with the published nail model: elastic penetration and no impact of the rod.
     #[must_use]
     pub fn published_nail_only(mut self) -> Self {
         self.model.nail = Form::Published;
@@ -16,8 +16,8 @@ impl Parameters {
         self
     }
 
-    /// The same design with every form as published: no leak, no damping of valve and wood contacts, no release of the
-    /// trigger but by the rising tool, and the seat diameter that the published force balance needs.
+    /// The same design with every form as published: no leak, no damping of valve and wood contacts, release of the
+    /// trigger only by the rising tool, and the seat diameter that the published force balance needs.
     #[must_use]
     pub fn published_all(mut self) -> Self {
         let published = Form::Published;

@@ -9,7 +9,7 @@ use crate::{EnergyFlow, LogEntry};
 /// One nailing cycle.
 ///
 /// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ...; at a discontinuity a sample takes the value
-/// after it. Positions and velocities point down, towards the wood.
+/// after it. Positions and velocities are positive downwards, towards the wood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CycleRecord {
     /// dt, interval of the samples \[s\].
@@ -85,20 +85,20 @@ pub struct Body {
     pub position: Vec<f64>,
     /// v \[m/s\].
     pub velocity: Vec<f64>,
-    /// dv/dt \[m/s2\]; the jump at the rod-nail impact is not in it.
+    /// dv/dt \[m/s2\]; excludes the jump at the impact of the rod on the nail.
     pub acceleration: Vec<f64>,
 }
 
-/// Motion of parts against each other.
+/// Relative motion of parts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Motion {
     /// y_pr = y_p - y_g, piston travel from the stopper \[m\].
     pub piston_travel: Vec<f64>,
     /// s = L_h - y_hr, lift of the head valve \[m\].
     pub valve_lift: Vec<f64>,
-    /// z = y_p - y_w - y_pbp, depth of the rod's end, as nail tip depth \[m\].
+    /// z = y_p - y_w - y_pbp, depth of the rod's end, expressed as nail tip depth \[m\].
     pub tip_depth: Vec<f64>,
-    /// z_max, deepest nail tip depth so far, not below 0 \[m\].
+    /// z_max, largest nail tip depth so far, at least 0 \[m\].
     pub nail_depth: Vec<f64>,
     /// M_p + M_n while the nail is attached to the rod, else M_p \[kg\].
     pub moving_mass: Vec<f64>,
@@ -117,7 +117,7 @@ pub struct Volume {
 
 /// Forces between bodies \[N\].
 ///
-/// The equations of motion, M the moving mass:
+/// In the equations of motion, M is the moving mass:
 /// ```text
 /// M_t v_p' = piston_gas - bumper - stopper - penetration - piston_friction - magazine + M_t g
 /// M_h v_h' = valve_gas + spring - cap - seat - valve_friction + M_h g
@@ -153,9 +153,9 @@ pub struct Forces {
     pub guard: Vec<f64>,
     /// F_sup, support on the workpiece, up.
     pub support: Vec<f64>,
-    /// Hand on the tool, down; F_hm itself for a massless hand.
+    /// Hand on the tool, down; F_hm for a massless hand.
     pub hand: Vec<f64>,
-    /// Friction of magazine and guide on the nail the rod drives, up on it when it moves down.
+    /// Friction of magazine and guide on the nail driven by the rod, up on it when it moves down.
     pub magazine: Vec<f64>,
     /// Part of the exhaust jets' thrust along y, down on the tool.
     pub thrust: Vec<f64>,
@@ -164,15 +164,15 @@ pub struct Forces {
 /// Flow through the exhaust holes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ExhaustFlow {
-    /// Mass flow outwards \[kg/s\]; negative inwards.
+    /// Outward mass flow \[kg/s\]; negative for inflow.
     pub mass_flow: Vec<f64>,
-    /// P_m before the holes \[Pa\]; ambient when the exhaust is closed.
+    /// P_m upstream of the holes \[Pa\]; ambient while the exhaust is closed.
     pub plenum_pressure: Vec<f64>,
-    /// P_s behind the holes \[Pa\]: that in the muffler, ambient without one.
+    /// P_s downstream of the holes \[Pa\]: the pressure in the muffler, or ambient without one.
     pub back_pressure: Vec<f64>,
     /// Stagnation temperature of the outflow, T_1 \[K\].
     pub stagnation_temperature: Vec<f64>,
-    /// Whether the holes are choked, P_s/P_m below the critical ratio.
+    /// Whether the holes are choked: P_s/P_m below the critical ratio.
     pub choked: Vec<bool>,
     /// Whether the intake is choked.
     pub intake_choked: Vec<bool>,
@@ -183,7 +183,7 @@ pub struct ExhaustFlow {
 /// Flow through the trigger valve's vent to the atmosphere.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct VentFlow {
-    /// Mass flow outwards \[kg/s\]; negative inwards.
+    /// Outward mass flow \[kg/s\]; negative for inflow.
     pub mass_flow: Vec<f64>,
     /// P_h \[Pa\].
     pub pressure: Vec<f64>,
@@ -191,7 +191,7 @@ pub struct VentFlow {
     pub temperature: Vec<f64>,
 }
 
-/// Event times \[s\]; an event that does not occur is `None`.
+/// Event times \[s\]; `None` for an event that does not occur.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Events {
     /// Trigger pulled.
@@ -212,7 +212,7 @@ pub struct Events {
     pub t7: Option<f64>,
     /// Piston uncovers the check-ring holes.
     pub t8: Option<f64>,
-    /// Piston at rest against the workpiece, first time after t6.
+    /// Piston at rest relative to the workpiece, first time after t6.
     pub t9: Option<f64>,
     /// Piston on the bumper, first time after t9.
     pub t10: Option<f64>,
@@ -222,7 +222,7 @@ pub struct Events {
     pub t12: Option<f64>,
     /// Exhaust opens.
     pub t13: Option<f64>,
-    /// Return stroke begins (last time |v_pr| is at or below 0.05 m/s).
+    /// Return stroke begins (last time at which |v_pr| is at or below 0.05 m/s).
     pub t14: Option<f64>,
     /// Piston at 50.51 mm, up.
     pub t15: Option<f64>,
@@ -250,11 +250,11 @@ impl Events {
 pub enum Outcome {
     /// The nail is driven and the piston stops on the wood.
     Drives,
-    /// The piston strikes the bumper before it stops on the wood, and the head does not end too deep.
+    /// The piston hits the bumper before it stops on the wood, and the head does not end up too deep.
     StrikesBumper,
     /// The piston stops before the nail has reached its full depth.
     Underdriven,
-    /// The head of the nail ends deeper below the surface than the design allows.
+    /// The head of the nail ends up deeper below the surface than the design allows.
     Overdriven,
     /// The head valve does not open the intake.
     DoesNotOpen,
@@ -276,7 +276,7 @@ impl Outcome {
         Self::DoesNotExhaust,
     ];
 
-    /// The name under which it is serialised.
+    /// Its name in serialised form.
     pub fn name(self) -> &'static str {
         match self {
             Self::Drives => "drives",
@@ -290,20 +290,20 @@ impl Outcome {
     }
 }
 
-/// Key figures of a shot (SI); a figure of a phase that does not occur is `None`.
+/// Key figures of a shot (SI); `None` for a phase that does not occur.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Summary {
-    /// Piston speed before the rod meets the nail \[m/s\].
+    /// Piston speed before the rod hits the nail \[m/s\].
     pub speed_before_impact: Option<f64>,
-    /// Piston speed after the rod has met the nail \[m/s\].
+    /// Piston speed after the rod has hit the nail \[m/s\].
     pub speed_after_impact: Option<f64>,
-    /// Mean speed of the piston over the nail's length in the wood, from t6 \[m/s\].
+    /// Mean speed of the piston over the nail's length in the wood, starting at t6 \[m/s\].
     pub mean_drive_speed: Option<f64>,
     /// Time at which the nail reaches its full depth \[s\].
     pub full_penetration: Option<f64>,
-    /// Deepest nail tip depth z_max \[m\].
+    /// Largest nail tip depth z_max \[m\].
     pub penetration: f64,
-    /// Depth of the nail's head below the surface, z_max - l_n \[m\]; negative where it protrudes.
+    /// Depth of the nail's head below the surface, z_max - l_n \[m\]; negative if it protrudes.
     pub head_depth: f64,
     /// Largest penetration resistance \[N\].
     pub peak_penetration_force: f64,
@@ -319,27 +319,27 @@ pub struct Summary {
     pub peak_support_force: f64,
     /// Largest nose force \[N\].
     pub peak_nose_force: f64,
-    /// Mass out of the exhaust holes \[kg\].
+    /// Mass that left through the exhaust holes \[kg\].
     pub exhaust_mass: f64,
-    /// Mass out of the trigger vent \[kg\].
+    /// Mass that left through the trigger vent \[kg\].
     pub vent_mass: f64,
-    /// Mass out of the rod-guide leak \[kg\].
+    /// Mass that left through the rod-guide leak \[kg\].
     pub leak_mass: f64,
-    /// Mass in from the hose \[kg\].
+    /// Mass that entered from the hose \[kg\].
     pub supply_mass: f64,
-    /// Part of the intake's open time with choked flow \[-\].
+    /// Fraction of the intake's open time with choked flow \[-\].
     pub intake_choked_fraction: Option<f64>,
-    /// Part of t13..t17 with P_a/P_1 below the critical ratio \[-\].
+    /// Fraction of t13..t17 with P_a/P_1 below the critical ratio \[-\].
     pub exhaust_chamber_choked_fraction: Option<f64>,
-    /// Part of t13..t17 with P_a/P_m below the critical ratio \[-\].
+    /// Fraction of t13..t17 with P_a/P_m below the critical ratio \[-\].
     pub exhaust_choked_fraction: Option<f64>,
-    /// Contacts of the head valve with the cap.
+    /// Number of contacts of the head valve with the cap.
     pub cap_contacts: usize,
-    /// Contacts of the head valve with its seat after it has left it.
+    /// Number of contacts of the head valve with its seat after leaving it.
     pub seat_contacts: usize,
 }
 
-/// Work of the integrator, reproducible from run to run.
+/// Work counters of the integrator, reproducible from run to run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Work {
     /// Accepted steps.

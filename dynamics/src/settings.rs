@@ -1,4 +1,4 @@
-//! How a cycle is integrated and recorded.
+//! Settings for integrating and recording a cycle.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,19 +15,19 @@ pub enum Method {
     Esdirk34,
 }
 
-/// How a cycle is integrated and recorded. The physics is in [`Parameters`](crate::Parameters).
+/// Settings for integrating and recording a cycle. The physics is in [`Parameters`](crate::Parameters).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Integration method.
     pub method: Method,
-    /// Tolerance of the integration as a part of the characteristic size of each state \[-\].
+    /// Integration tolerance as a fraction of the characteristic size of each state \[-\].
     pub relative_tolerance: f64,
     /// Interval of the recorded samples \[s\].
     pub sample_interval: f64,
     /// Longest duration of a cycle, from the trigger pull \[s\].
     pub end: f64,
-    /// Recording after t18 \[s\].
+    /// Duration of recording after t18 \[s\].
     pub tail: f64,
 }
 
@@ -44,7 +44,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Refuses settings with which no cycle can be computed.
+    /// Rejects settings with which no cycle can be computed.
     pub(crate) fn check(&self) -> Result<(), CycleError> {
         let rules = [
             (

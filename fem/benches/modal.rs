@@ -1,10 +1,10 @@
-//! Stage shares of the modal solution and its growth with the degrees of freedom.
+//! Time spent in each stage of the modal solution, and its growth with the degrees of freedom.
 //!
-//! `cargo bench -p nailnoise-fem` runs the small meshes; `cargo bench -p nailnoise-fem -- --full` also the free wood
-//! block with 50 000 and 153 000 degrees of freedom. Times are CPU seconds of the process, if /proc provides them, so
+//! `cargo bench -p nailnoise-fem` runs the small meshes; `cargo bench -p nailnoise-fem -- --full` adds the free wood
+//! block with 50 000 and 153 000 degrees of freedom. Times are CPU seconds of the process if /proc provides them, so
 //! that other work on the machine does not count. Set RAYON_NUM_THREADS=1 for one core. `-- --only 34 13 8` runs the
-//! free block with only these divisions, `-- --block 8` sets the vectors of a Lanczos block, `-- --whole` leaves mirror
-//! planes unused.
+//! free block with only these divisions, `-- --block 8` sets the size of a Lanczos block, `-- --whole` disables mirror
+//! planes.
 
 #[path = "../tests/common/bodies.rs"]
 mod bodies;
@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 
 use nailnoise_fem::{Constraints, ModalSettings, System, assemble, modes};
 
-/// CPU time of this process in ticks of 10 ms.
+/// CPU time of this process, with a resolution of 10 ms.
 fn cpu_time() -> Option<Duration> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // Fields 14 and 15, counted from behind the command name, which may contain blanks.
+    // Fields 14 and 15, counted after the command name, which may contain spaces.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
     Some(Duration::from_millis(10 * ticks))
@@ -31,7 +31,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (result, spent)
 }
 
-/// The `count` numbers after a flag.
+/// The `count` numbers that follow a flag.
 fn numbers(flag: &str, count: usize) -> Option<Vec<usize>> {
     let mut arguments = std::env::args().skip_while(|a| a != flag).skip(1);
     (0..count).map(|_| arguments.next()?.parse().ok()).collect()

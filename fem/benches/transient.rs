@@ -1,4 +1,4 @@
-//! Time of a transient run of 0.3 s at 4 us with 65 contact points, and of its replay.
+//! Time of a transient run of 0.3 s with steps of 4 us and 65 contact points, and of its replay.
 
 #[path = "../tests/common/block_on_table.rs"]
 mod block_on_table;
@@ -17,7 +17,7 @@ fn full() -> Settings {
     }
 }
 
-/// Block and table modes; the first is the 300 modes of the requirement (3 s), the second the default design.
+/// Numbers of block and table modes: first the 300 modes of the requirement (3 s), then the default design.
 const SIZES: [(usize, usize); 2] = [(100, 200), (160, 500)];
 
 #[divan::bench(args = SIZES, sample_count = 3)]

@@ -1,4 +1,4 @@
-//! The lowest mode of a square steel plate that is clamped along one side, compared with plate theory.
+//! The lowest mode of a square steel plate clamped along one side, compared with plate theory.
 //!
 //! ```text
 //! f = 3.492 / (2 pi a^2) sqrt(D / (rho h)),   D = E h^3 / (12 (1 - nu^2))

@@ -1,9 +1,9 @@
-//! Solves the NAFEMS benchmarks FV41 (free cylinder, a quarter of it) and FV22 (clamped thick rhombic plate) on 20-node
-//! hexahedra and writes the same meshes for CalculiX:
-//! `cargo run --release -p nailnoise-fem --example nafems -- FOLDER`.
+//! Solves the NAFEMS benchmarks FV41 (a quarter of a free cylinder) and FV22 (clamped thick rhombic plate) on 20-node
+//! hexahedra, and writes the same meshes for CalculiX: `cargo run --release -p nailnoise-fem --example nafems --
+//! FOLDER`.
 //!
-//! For each benchmark `FOLDER/NAME.inp` is CalculiX's input and `FOLDER/NAME.csv` our frequencies in Hz;
-//! `tests/peers/calculix.py` runs the other program and compares.
+//! For each benchmark, `FOLDER/NAME.inp` is the input of CalculiX and `FOLDER/NAME.csv` contains our frequencies in Hz;
+//! `tests/peers/calculix.py` runs CalculiX and compares.
 
 #[path = "../tests/common/kinds.rs"]
 mod kinds;
@@ -24,14 +24,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name a folder for the files")?;
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder)?;
-    // Length 10 m, mean radius 2 m, wall 0.4 m; r first, so that elements are right-handed.
+    // Length 10 m, mean radius 2 m, wall 0.4 m; r comes first, so that elements are right-handed.
     let cylinder = structured(ElementKind::Hex20, [2, 8, 16], |[r, t, z]| {
         let (radius, angle) = (1.8 + 0.4 * r, FRAC_PI_2 * t);
         Point3::new(radius * angle.cos(), radius * angle.sin(), 10.0 * z)
     });
     let symmetry = |p: &Point3<f64>| [p.x.abs() < 1e-9, p.y.abs() < 1e-9, false];
     solve(folder, "fv41", &cylinder, symmetry, 420.0)?;
-    // Sides of 10 m at 45 degrees, 1 m thick.
+    // Sides of 10 m at 45 degrees, thickness 1 m.
     let leg = 10.0 * 0.5f64.sqrt();
     let plate = structured(ElementKind::Hex20, [12, 12, 2], |[a, b, c]| {
         Point3::new(10.0 * a + leg * b, leg * b, c)
@@ -70,7 +70,7 @@ fn solve(
     input.push_str("*ELEMENT, TYPE=C3D20, ELSET=ALL\n");
     for (number, element) in mesh.elements().enumerate() {
         let nodes: Vec<String> = element.nodes.iter().map(|n| (n + 1).to_string()).collect();
-        // A line has at most sixteen entries.
+        // A line may contain at most sixteen entries.
         writeln!(
             input,
             "{}, {},\n{}",

@@ -1,4 +1,4 @@
-//! Errors on the way from a mesh to its modes.
+//! Errors of modal models, from the mesh to the modes.
 
 /// An error of the modal models; every variant carries the numbers and names the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -6,12 +6,12 @@ pub enum FemError {
     /// A material constant is not a positive finite number.
     #[error("{what} is {value}; give a positive finite number")]
     NotPositive {
-        /// Which constant.
+        /// Name of the constant.
         what: &'static str,
         /// The value found.
         value: f64,
     },
-    /// The elastic constants store negative energy in some strain.
+    /// The elastic constants imply negative strain energy for some strain.
     #[error(
         "the elastic constants are not positive definite: smallest eigenvalue of the scaled compliance is \
          {eigenvalue:e}; \
@@ -21,7 +21,7 @@ pub enum FemError {
         /// Smallest eigenvalue of the compliance scaled to a unit diagonal.
         eigenvalue: f64,
     },
-    /// The material axes are not at right angles.
+    /// The material axes are not orthogonal.
     #[error("the material axes deviate from orthonormal by {deviation:e}; give three unit vectors at right angles")]
     Axes {
         /// Largest entry of |Q^T Q - I|.
@@ -35,7 +35,7 @@ pub enum FemError {
         /// Materials given.
         materials: usize,
     },
-    /// An element is inverted or flat.
+    /// An element is inverted or degenerate.
     #[error("element {element} has Jacobian determinant {determinant:e} m^3; it is inverted or flat: repair the mesh")]
     Inverted {
         /// Element index.
@@ -43,7 +43,7 @@ pub enum FemError {
         /// The determinant found \[m^3\].
         determinant: f64,
     },
-    /// Nothing is left to move.
+    /// No degree of freedom is free.
     #[error("all {dofs} degrees of freedom are constrained; free some of them")]
     NothingFree {
         /// Degrees of freedom of the mesh.
@@ -52,19 +52,19 @@ pub enum FemError {
     /// The fill-reducing order could not be found.
     #[error("nested dissection failed: {reason}; check the mesh for disconnected or damaged elements")]
     Order {
-        /// The library's reason.
+        /// Reason given by the library.
         reason: String,
     },
-    /// The system is larger than its index type or the memory.
+    /// The system exceeds its index type or the available memory.
     #[error("the factor of {dofs} degrees of freedom does not fit; use a coarser mesh")]
     TooLarge {
         /// Degrees of freedom.
         dofs: usize,
     },
-    /// A factorisation met a pivot it cannot use.
+    /// A factorisation met an unusable pivot.
     #[error("factorisation of K - sigma M at sigma = {shift:e} failed at pivot {pivot}; check masses and constraints")]
     Pivot {
-        /// The shift \[(rad/s)^2\].
+        /// Its shift \[(rad/s)^2\].
         shift: f64,
         /// Index of the pivot in elimination order.
         pivot: usize,
@@ -72,9 +72,9 @@ pub enum FemError {
     /// A factorisation does not reproduce its matrix.
     #[error("the factor of K - sigma M at sigma = {shift:e} has relative residual {residual:e} (limit {limit:e})")]
     Probe {
-        /// The shift \[(rad/s)^2\].
+        /// Its shift \[(rad/s)^2\].
         shift: f64,
-        /// Residual of a solve with a known vector.
+        /// Residual of a solve for a known vector.
         residual: f64,
         /// The limit.
         limit: f64,
@@ -84,24 +84,24 @@ pub enum FemError {
         "{converged} of {wanted} modes converged within {vectors} Lanczos vectors; allow more or lower the frequency"
     )]
     NotConverged {
-        /// Modes below the edge by the Sturm count.
+        /// Number of modes below the edge by the Sturm count.
         wanted: usize,
-        /// Modes found converged.
+        /// Number of modes that converged.
         converged: usize,
-        /// Vectors used.
+        /// Number of vectors used.
         vectors: usize,
     },
-    /// The modes found are not those the Sturm count demands.
+    /// The number of modes found differs from the Sturm count.
     #[error("{found} modes found below {upper_hz} Hz, the Sturm count is {count}; change the upper frequency slightly")]
     Incomplete {
-        /// Modes found.
+        /// Number of modes found.
         found: usize,
-        /// Modes there are.
+        /// Sturm count.
         count: usize,
         /// The edge \[Hz\].
         upper_hz: f64,
     },
-    /// No edge clear of modes was found.
+    /// No edge without a nearby mode was found.
     #[error("modes lie too dense at {upper_hz} Hz for an edge between them; choose another upper frequency")]
     NoGap {
         /// The last edge tried \[Hz\].
@@ -127,29 +127,29 @@ pub enum FemError {
         /// Rows needed.
         expected: usize,
     },
-    /// A constraint names a node that does not exist.
+    /// A constraint refers to a node that does not exist.
     #[error("node {node} is constrained, the mesh has {nodes} nodes")]
     Node {
-        /// The node named.
+        /// The node.
         node: usize,
-        /// Nodes of the mesh.
+        /// Number of nodes in the mesh.
         nodes: usize,
     },
-    /// A node follows two masters.
+    /// A node is tied to two masters.
     #[error("node {node} of face group \"{group}\" is tied already; make it the slave of one interface or mass only")]
     TiedTwice {
         /// The node.
         node: usize,
-        /// The group of its second occurrence.
+        /// The group of the second tie.
         group: String,
     },
-    /// Ties depend on each other in a circle.
+    /// Ties depend on each other in a cycle.
     #[error("node {node} is tied to nodes that are tied to it; exchange master and slave of one interface")]
     TieCycle {
-        /// A node of the circle.
+        /// A node of the cycle.
         node: usize,
     },
-    /// A node is fixed and tied at once.
+    /// A node is both fixed and tied.
     #[error(
         "node {node} is held along axis {axis} and tied as well; hold the master or take the node out of one group"
     )]
@@ -167,18 +167,18 @@ pub enum FemError {
         /// Its area \[m^2\].
         area: f64,
     },
-    /// An inertia tensor belongs to no body.
+    /// An inertia tensor is physically impossible.
     #[error(
         "the lumped mass on \"{group}\" has the principal moments {moments:?} kg m^2; give a symmetric tensor with \
          each of them at most the sum of the others"
     )]
     Inertia {
-        /// The group that carries it.
+        /// The group it is attached to.
         group: String,
         /// Principal moments \[kg m^2\].
         moments: [f64; 3],
     },
-    /// A spring's stiffness is not that of a spring.
+    /// A spring stiffness is not symmetric and positive semidefinite.
     #[error(
         "a spring's stiffness has asymmetry {asymmetry:e} N/m and lowest eigenvalue {lowest:e} N/m; give a symmetric \
          matrix without negative eigenvalues"

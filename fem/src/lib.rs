@@ -1,7 +1,7 @@
 //! Modes and transient response of solid bodies by finite elements.
 //!
-//! A mesh with a [`Material`] for each part and [`Constraints`] assembles to a [`System`] K, M; [`modes`] solves
-//! K phi = lambda M phi for all modes below a frequency and proves by a Sturm count that none is missing.
+//! A mesh with a [`Material`] for each part and [`Constraints`] is assembled to a [`System`] of K and M. [`modes`]
+//! solves K phi = lambda M phi for all modes below a frequency and proves by a Sturm count that none is missing.
 #![forbid(unsafe_code)]
 
 #[cfg(doctest)]

@@ -41,7 +41,7 @@ pub struct Material {
 }
 
 impl serde::Serialize for Material {
-    /// As density, stiffness by columns and smallest shear modulus.
+    /// Serialised as density, stiffness by columns and smallest shear modulus.
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         (self.density, self.stiffness.as_slice(), self.slowest_shear).serialize(serializer)
     }
@@ -51,7 +51,7 @@ impl serde::Serialize for Material {
 pub(crate) const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
 
 impl Material {
-    /// An isotropic material from Young's modulus `e` \[Pa\], Poisson ratio `nu` and `density` \[kg/m^3\].
+    /// Creates an isotropic material from Young's modulus `e` \[Pa\], Poisson's ratio `nu` and `density` \[kg/m^3\].
     ///
     /// # Errors
     /// [`FemError::NotPositive`], or [`FemError::NotPositiveDefinite`] unless -1 < nu < 1/2.
@@ -74,14 +74,14 @@ impl Material {
         Self::orthotropic(&constants, &Matrix3::identity(), density)
     }
 
-    /// An orthotropic material; the columns of `axes` are its directions 1, 2, 3 in global coordinates. A left-handed
-    /// set is as good as a right-handed one, since the material is its own mirror image.
+    /// Creates an orthotropic material; the columns of `axes` are its directions 1, 2 and 3 in global coordinates. The
+    /// axes may be left-handed, because the material equals its mirror image.
     ///
-    /// Poisson's ratio nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij /
-    /// E_i = nu_ji / E_j. The compliance in material axes is that of Lekhnitskii (*Theory of Elasticity of an
-    /// Anisotropic Body*, section 3). Its entries are S_ii = 1 / E_i, S_ij = -nu_ij / E_i, S_44 = 1 / G_23, S_55 = 1 /
-    /// G_13, S_66 = 1 / G_12. The stiffness in global axes is C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and
-    /// C' = S^-1.
+    /// Poisson's ratio nu_ij is the contraction along j per extension along i under stress along i, so nu_ij / E_i =
+    /// nu_ji / E_j. The compliance in material axes is that of Lekhnitskii (*Theory of Elasticity of an Anisotropic
+    /// Body*, section 3). Its entries are S_ii = 1 / E_i, S_ij = -nu_ij / E_i, S_44 = 1 / G_23, S_55 = 1 / G_13 and
+    /// S_66 = 1 / G_12. The stiffness in global axes is C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs, where Q = `axes` and C' =
+    /// S^-1.
     ///
     /// # Errors
     /// [`FemError::NotPositive`], [`FemError::NotPositiveDefinite`] or [`FemError::Axes`].
@@ -102,7 +102,7 @@ impl Material {
             }
         }
         let deviation = (axes.transpose() * axes - Matrix3::identity()).amax();
-        // A NaN axis is refused as well.
+        // NaN axes are rejected as well.
         if deviation.is_nan() || deviation > 1e-9 {
             return Err(FemError::Axes { deviation });
         }
@@ -154,13 +154,14 @@ impl Material {
         &self.stiffness
     }
 
-    /// Speed of the slowest shear wave along a material axis, sqrt(G_min / rho) \[m/s\], for the size of elements.
+    /// Speed of the slowest shear wave along a material axis, sqrt(G_min / rho) \[m/s\], used to choose the element
+    /// size.
     pub fn slowest_speed(&self) -> f64 {
         (self.slowest_shear / self.density).sqrt()
     }
 
     /// Speeds of the slowest and the fastest plane wave in the direction of the unit vector n \[m/s\]: rho c^2 are the
-    /// eigenvalues of Christoffel's matrix Gamma_ik = C_ijkl n_j n_l (Auld, *Acoustic Fields and Waves in Solids*,
+    /// eigenvalues of the Christoffel matrix Gamma_ik = C_ijkl n_j n_l (Auld, *Acoustic Fields and Waves in Solids*,
     /// section 7.C).
     pub(crate) fn wave_speeds(&self, n: &Vector3<f64>) -> [f64; 2] {
         // Strain of the displacement e_k e^(j n.x), in the order xx, yy, zz, yz, xz, xy.
@@ -177,7 +178,7 @@ impl Material {
         [squares.min().sqrt(), squares.max().sqrt()]
     }
 
-    /// The stiffness tensor C_ijkl, which acts on the displacement gradients.
+    /// The stiffness tensor C_ijkl, which is contracted with displacement gradients.
     pub(crate) fn tensor(&self) -> [[[[f64; 3]; 3]; 3]; 3] {
         tensor(&self.stiffness)
     }

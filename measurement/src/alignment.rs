@@ -1,17 +1,17 @@
-//! Records on one time axis: travel times, and delays between records.
+//! Aligns records on a common time axis: travel times, and delays between records.
 
 use nailnoise_acoustics::signals::fourier::RealTransform;
 use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-/// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at
-/// one end, and what leaves at the other is lost.
+/// Delays a record by `delay` \[s\], including fractions of a sample, by multiplying its lines by e^(-j 2 pi f delay).
+/// Zeros are shifted in at one end, and samples shifted out at the other end are lost.
 pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
     if record.is_empty() {
         return Vec::new();
     }
-    // Room for what is moved, so that nothing wraps around.
+    // Padding, so that nothing wraps around.
     let room = (delay.abs() * rate).ceil() as usize + 1;
     let length = (record.len() + room).next_power_of_two();
     let transform = RealTransform::new(length);
@@ -25,8 +25,8 @@ pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
     moved
 }
 
-/// Delay of `record` behind `reference` \[s\] by the largest correlation within `most` \[s\], to a fraction of a sample
-/// by the parabola through the three values at the largest; `None` where one of them is silent.
+/// Delay of `record` relative to `reference` \[s\], from the largest correlation within `most` \[s\], to a fraction of
+/// a sample by a parabola through the maximum and its neighbours; `None` if either is silent.
 pub fn delay(reference: &[f64], record: &[f64], rate: f64, most: f64) -> Option<f64> {
     let reach = (most * rate).ceil() as usize;
     let length = (reference.len().max(record.len()) + reach + 1).next_power_of_two();
@@ -59,7 +59,7 @@ mod tests {
             if t < 0.0 {
                 0.0
             } else {
-                // Smooth at its beginning, so that a shift by parts of a sample is exact.
+                // Smooth at its beginning, so that shifting by fractions of a sample is exact.
                 (t / 1e-3).powi(3).min(1.0) * (-t / 5e-3).exp() * (2.0 * PI * 900.0 * t).sin()
             }
         };

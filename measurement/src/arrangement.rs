@@ -1,4 +1,4 @@
-//! Where the microphones stand, and what the other channels are.
+//! Positions of the microphones, and meanings of the other channels.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::sound::{Iso3744Box, environmental_correction};
@@ -23,9 +23,9 @@ pub struct Arrangement {
     pub plane: f64,
     /// The air.
     pub air: Air,
-    /// Equivalent absorption area of the room \[m2\]; `None` in the free field over the plane.
+    /// Equivalent absorption area of the room \[m2\]; `None` in a free field over a reflecting plane.
     pub absorption: Option<f64>,
-    /// Range in which levels are given \[Hz\].
+    /// Frequency range of the levels \[Hz\].
     pub range_hz: [f64; 2],
     /// Names of the accelerometers.
     pub accelerometers: Vec<String>,
@@ -33,7 +33,7 @@ pub struct Arrangement {
     pub transducers: Vec<String>,
 }
 
-/// Range of the levels \[Hz\], that of a run.
+/// Frequency range of the levels \[Hz\], the same as in a run.
 const RANGE: [f64; 2] = COMMON_RANGE_HZ;
 
 /// A part of tool or workpiece that carries an accelerometer.
@@ -50,7 +50,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// Names of its channels: that of the published tests, and that of the shipped designs.
+    /// Names of its channels: that in the published tests, and that in the shipped designs.
     pub fn names(self) -> [&'static str; 2] {
         match self {
             Self::Handle => ["N", "handle"],
@@ -62,10 +62,10 @@ impl Part {
 }
 
 impl Arrangement {
-    /// That of the recordings of a manifest.
+    /// The arrangement described by a manifest.
     ///
     /// # Errors
-    /// Air that cannot be.
+    /// If the air properties are impossible.
     pub fn of(manifest: &Manifest) -> Result<Self, MeasurementError> {
         Ok(Self {
             setup: manifest.setup,
@@ -87,16 +87,16 @@ impl Arrangement {
         Iso3744Box::around(self.centre.z - self.plane)
     }
 
-    /// Time from the device's centre to each microphone \[s\].
+    /// Travel time from the device's centre to each microphone \[s\].
     pub fn travel_times(&self) -> Vec<f64> {
         let time = |place: &Point3<f64>| (place - self.centre).norm() / self.air.sound_speed;
         self.microphones.iter().map(time).collect()
     }
 
-    /// Correction for the room, K2 \[dB\].
+    /// Environmental correction K2 \[dB\].
     ///
     /// # Errors
-    /// An absorption area that is not positive.
+    /// If the absorption area is not positive.
     pub fn room_correction(&self) -> Result<f64, MeasurementError> {
         match self.absorption {
             Some(absorption) => Ok(environmental_correction(self.surface().area(), absorption)?),
@@ -104,8 +104,8 @@ impl Arrangement {
         }
     }
 
-    /// Single-event sound power level \[dB re 1 pW s\] of a mean exposure over the microphones \[Pa2 s\]; `None` for
-    /// none.
+    /// Single-event sound power level \[dB re 1 pW s\] for a mean exposure over the microphones \[Pa2 s\]; `None` for
+    /// zero exposure.
     ///
     /// ```text
     /// L_WA,1s = 10 lg(mean_m E_m/(20 uPa)^2 s) + 10 lg(S/1 m2) - K2
@@ -117,13 +117,13 @@ impl Arrangement {
         })
     }
 
-    /// Place of the first accelerometer on one of these parts, in their order.
+    /// Index of the first accelerometer on one of these parts, in their order.
     pub fn accelerometer(&self, parts: &[Part]) -> Option<usize> {
         let mut names = parts.iter().flat_map(|part| part.names());
         names.find_map(|name| self.accelerometers.iter().position(|own| own == name))
     }
 
-    /// Place of a transducer.
+    /// Index of a transducer.
     pub fn transducer(&self, name: &str) -> Option<usize> {
         self.transducers.iter().position(|own| own == name)
     }

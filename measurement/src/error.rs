@@ -13,26 +13,26 @@ use super::recordings::Fault;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasurementError {
-    /// A file that cannot be read.
+    /// A file cannot be read.
     #[error("cannot read {}{}: {cause}", path.display(),
         channel.as_ref().map_or_else(String::new, |name| format!(", channel {name}")))]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// The channel that it should hold; none for the manifest.
+        /// The channel that it should contain; none for the manifest.
         channel: Option<String>,
-        /// What the system said.
+        /// Error of the operating system.
         cause: String,
-        /// What to do about it.
+        /// How to fix it.
         help: String,
     },
-    /// A manifest that is no TOML.
+    /// A manifest is not valid TOML.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// A key of the manifest that is wrong, or missing.
+    /// A key of the manifest is wrong or missing.
     #[error(transparent)]
     Manifest(#[from] KeyError),
-    /// A recording that cannot be used.
+    /// A recording cannot be used.
     #[error("{}, channel {channel}: {fault}", path.display())]
     Recording {
         /// The file.
@@ -42,10 +42,10 @@ pub enum MeasurementError {
         /// What is wrong with it.
         fault: Box<Fault>,
     },
-    /// Air or a room that cannot be.
+    /// Air or room properties are impossible.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A shot that the manifest does not have.
+    /// The manifest does not contain the shot.
     #[error("the manifest has no shot {repeat} of configuration {configuration}, both counted from 0")]
     NoShot {
         /// Index of the configuration.
@@ -53,7 +53,7 @@ pub enum MeasurementError {
         /// Index of the repeat.
         repeat: usize,
     },
-    /// Signals of a shot that cannot be evaluated.
+    /// The signals of a shot cannot be evaluated.
     #[error("{configuration}, repeat {repeat}: {problem}")]
     Shot {
         /// Name of the configuration.
@@ -62,16 +62,16 @@ pub enum MeasurementError {
         repeat: usize,
         /// What is wrong.
         problem: String,
-        /// What to do about it.
+        /// How to fix it.
         help: String,
     },
 }
 
-/// How a manifest is written.
+/// The syntax of a manifest.
 const SYNTAX: &str = "write `key = value`, texts in quotes: temperature = \"21 degC\"; groups as `[channels]`";
 
 impl MeasurementError {
-    /// The place in the manifest that it points at.
+    /// The place in the manifest that the error points to.
     pub fn place(&self) -> Option<&Place> {
         match self {
             Self::Manifest(KeyError { at, .. }) | Self::Document(DocumentError::Syntax { at, .. }) => Some(at),

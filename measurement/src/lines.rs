@@ -1,4 +1,4 @@
-//! Spectra of one second: lines 1 Hz apart, energies of bands, signals back from lines.
+//! One-second spectra: lines 1 Hz apart, band energies, and reconstruction of signals.
 
 use std::f64::consts::PI;
 
@@ -6,13 +6,13 @@ use nailnoise_acoustics::signals::fourier::RealTransform;
 use nailnoise_acoustics::signals::{Band, Weighting, energy_weights, third_octaves};
 use nalgebra::Complex;
 
-/// Length of the analysed piece of a record \[s\].
+/// Length of the analysed section of a record \[s\].
 pub const LENGTH: f64 = 1.0;
 
-/// Part of it before the trigger \[s\].
+/// Part of that section before the trigger \[s\].
 pub const BEFORE: f64 = 0.01;
 
-/// Half-cosine ends of a record \[s\].
+/// Length of the half-cosine tapers at the ends of a record \[s\].
 const TAPER: f64 = 5e-3;
 
 /// Transforms of records of one second at one sampling rate.
@@ -31,7 +31,7 @@ impl OneSecond {
         }
     }
 
-    /// Distance of the lines \[Hz\].
+    /// Spacing of the lines \[Hz\].
     pub fn df(&self) -> f64 {
         self.rate / self.samples() as f64
     }
@@ -46,8 +46,8 @@ impl OneSecond {
         (0..=self.samples() / 2).map(|k| k as f64 * self.df()).collect()
     }
 
-    /// The second of a record that begins [`BEFORE`] the trigger, at `trigger` \[s\] from the record's start: the
-    /// record with half-cosine ends, zeros beyond it. The first end lies before the trigger.
+    /// The second of a record that begins [`BEFORE`] the trigger, which is at `trigger` \[s\] from the record's start;
+    /// the record has half-cosine tapers, and is padded with zeros. The first taper ends before the trigger.
     pub fn cut(&self, record: &[f64], trigger: f64) -> Vec<f64> {
         let start = ((trigger - BEFORE) * self.rate).round() as i64;
         let begin = start.max(0) as usize;
@@ -63,20 +63,20 @@ impl OneSecond {
         piece
     }
 
-    /// X(f) = dt sum x e^(-j 2 pi f t) \[unit s\] of a piece of one second.
+    /// X(f) = dt sum x e^(-j 2 pi f t) \[unit s\] of a one-second section.
     pub fn lines(&self, piece: &[f64]) -> Vec<Complex<f64>> {
         let mut lines = self.transform.lines(piece);
         lines.iter_mut().for_each(|x| *x /= self.rate);
         lines
     }
 
-    /// The piece of one second with these lines.
+    /// The one-second section with these lines.
     pub fn signal(&self, lines: &[Complex<f64>]) -> Vec<f64> {
         self.transform.signal(lines.iter().map(|x| x * self.rate).collect())
     }
 }
 
-/// Half-cosine ends of 5 ms, shorter on a shorter record; the first one has at most `lead` samples.
+/// Applies half-cosine tapers of 5 ms, shorter for shorter records; the first has at most `lead` samples.
 fn taper(record: &mut [f64], rate: f64, lead: usize) {
     let count = ((TAPER * rate).round() as usize).min(record.len() / 2);
     let rise = |i: usize, count: usize| 0.5 * (1.0 - (PI * (i as f64 + 0.5) / count as f64).cos());
@@ -85,7 +85,7 @@ fn taper(record: &mut [f64], rate: f64, lead: usize) {
     (record.iter_mut().rev().take(count).enumerate()).for_each(|(i, x)| *x *= rise(i, count));
 }
 
-/// Energies of spectra within bands: A-weighted over a range, and by one-third octave.
+/// Band energies of spectra: A-weighted over a range, and in one-third octaves.
 #[derive(Debug, Clone)]
 pub struct Bands {
     /// Weights of the lines for the A-weighted energy of the range.
@@ -95,7 +95,8 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// Bands on lines at these frequencies, within `range` \[Hz\]; a band that the range cuts holds the part inside.
+    /// Creates bands for lines at these frequencies, within `range` \[Hz\]; a band cut by the range contains only the
+    /// part inside.
     pub fn new(frequencies: &[f64], range: [f64; 2]) -> Self {
         let top = frequencies.last().copied().unwrap_or(0.0);
         let range = [range[0], range[1].min(top)];
@@ -127,7 +128,7 @@ impl Bands {
         weighted(&self.a_weighted, lines)
     }
 
-    /// The same by band.
+    /// The same for each band.
     pub fn band_energies(&self, lines: &[Complex<f64>]) -> Vec<f64> {
         let of_band = |(_, first, weights): &(f64, usize, Vec<f64>)| weighted(weights, &lines[*first..]);
         self.bands.iter().map(of_band).collect()

@@ -1,47 +1,48 @@
-//! Event markers of the measurement: instants found on accelerometers and pressure transducers.
+//! Event markers of the measurement: times determined from accelerometers and pressure transducers.
 //!
-//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found
-//! by these rules. Block or table: first at 2 g (t3), largest acceleration in the drive (t7). Handle: below 6 g for 2
-//! ms (t10), above 6 g again (t12; after t11, where it still rings above 6 g, the onset of a burst of twice its peak),
-//! for the last time (t13). Transducer in the cylinder wall: it sees the pressure behind the piston from its steepest
-//! rise (t4) to its next step of either sign (t11); its fluctuation ends (t8) where its range over 2 ms is below 2 %.
+//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are
+//! determined by the following rules. Block or table: first at 2 g (t3), largest acceleration during the drive (t7).
+//! Handle: below 6 g for 2 ms (t10), above 6 g again (t12; if it still rings above 6 g after t11, the onset of a burst
+//! of twice its peak), above 6 g for the last time (t13). Transducer in the cylinder wall: it is exposed to the
+//! pressure above the piston from its steepest rise (t4) to its next step of either sign (t11); its fluctuation ends
+//! (t8) when its range over 2 ms falls below 2 %.
 //!
-//! Where the body alone is bare, the burst of t12 is also found by the microphones ([`arrival`]), which shows whether
+//! If only the body is bare, the burst of t12 is also located from the microphones ([`arrival`]), which shows whether
 //! they share the clock of the accelerometers.
 
 use serde::{Deserialize, Serialize};
 
-/// Acceleration at which block or table start to move \[m/s2\]: 2 g.
+/// Acceleration at which the block or table starts to move \[m/s2\]: 2 g.
 const START: f64 = 2.0 * STANDARD_GRAVITY;
 
-/// Acceleration of the handle that an impact exceeds \[m/s2\]: 6 g.
+/// Acceleration of the handle that indicates an impact \[m/s2\]: 6 g.
 const IMPACT: f64 = 6.0 * STANDARD_GRAVITY;
 
 /// Standard acceleration of gravity (ISO 80000-3) \[m/s2\].
 pub const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// How long the handle stays below the limit \[s\], and over which a range of pressure is taken.
+/// How long the handle must stay below the limit \[s\]; also the window for the range of a pressure.
 const QUIET: f64 = 2e-3;
 
-/// Time after the piston's passage within which its return is not looked for \[s\].
+/// Time after the passage of the piston during which its return is not searched for \[s\].
 const SETTLED: f64 = 5e-3;
 
-/// Time after its first steep rise that a burst is looked at to find its onset \[s\].
+/// Time after a burst's first steep rise that is included in the search for its onset \[s\].
 const RISE: f64 = 0.2e-3;
 
-/// Time before and after the expected arrival of a burst at a microphone within which it is looked for \[s\].
+/// Time before and after the expected arrival of a burst at a microphone within which it is searched for \[s\].
 const ARRIVAL: f64 = 4e-3;
 
-/// Fewest samples of a part of a signal whose variance is taken.
+/// Smallest number of samples for which a variance is computed.
 const FEWEST: usize = 4;
 
-/// Range of a pressure that has come to rest, over that of the record.
+/// Range of a settled pressure relative to that of the record.
 const FLUCTUATION: f64 = 0.02;
 
-/// Time over which the steepest change of a pressure is taken \[s\].
+/// Time over which the steepest change of a pressure is computed \[s\].
 const STEEP: f64 = 0.1e-3;
 
-/// A marker, the event of the cycle that it stands for, and how it is found.
+/// A marker, the corresponding event of the cycle, and how it is determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Marker {
     /// Its name.
@@ -52,7 +53,7 @@ pub struct Marker {
     pub meaning: &'static str,
 }
 
-/// The markers that the signals show, in the order of a shot.
+/// The markers that the signals show, in chronological order.
 pub const MARKERS: [Marker; 9] = [
     marker("t0", Some("t0"), "trigger"),
     marker("t3", None, "block or table starts to move"),
@@ -65,7 +66,7 @@ pub const MARKERS: [Marker; 9] = [
     marker("t13", Some("t18"), "handle is quiet for good"),
 ];
 
-/// The burst of t12 as the microphones find it where the body alone is bare.
+/// The burst of t12 as located from the microphones, if only the body is bare.
 pub const AT_MICROPHONES: Marker = marker(
     "t12 at the microphones",
     Some("t16"),
@@ -76,33 +77,33 @@ const fn marker(name: &'static str, event: Option<&'static str>, meaning: &'stat
     Marker { name, event, meaning }
 }
 
-/// Instants from the trigger on \[s\]; `None` where the signal is missing or never meets the rule.
+/// Times from the trigger \[s\]; `None` if the signal is missing or never satisfies the rule.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Markers {
     /// Block or table first at 2 g.
     pub t3: Option<f64>,
-    /// The cylinder's transducer sees the pressure behind the piston.
+    /// The cylinder's transducer becomes exposed to the pressure above the piston.
     pub t4: Option<f64>,
     /// Largest acceleration of table or block.
     pub t7: Option<f64>,
-    /// The cylinder's pressure has come to rest.
+    /// The cylinder's pressure has settled.
     pub t8: Option<f64>,
     /// The handle is quiet.
     pub t10: Option<f64>,
-    /// The cylinder's transducer loses the pressure behind the piston.
+    /// The cylinder's transducer is no longer exposed to the pressure above the piston.
     pub t11: Option<f64>,
     /// The handle exceeds 6 g again.
     pub t12: Option<f64>,
-    /// The handle is at most at 6 g from here on.
+    /// The handle stays at or below 6 g from here on.
     pub t13: Option<f64>,
 }
 
-/// Signals on which markers are found; they share a sampling rate.
+/// Signals from which markers are determined; they share a sampling rate.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Signals<'a> {
     /// Handle, N \[m/s2\].
     pub handle: Option<&'a [f64]>,
-    /// Block, W; else what stands for its first motion \[m/s2\].
+    /// Block, W, or another channel that shows its first motion \[m/s2\].
     pub block: Option<&'a [f64]>,
     /// Table under its centre, TC \[m/s2\].
     pub table: Option<&'a [f64]>,
@@ -111,8 +112,8 @@ pub struct Signals<'a> {
 }
 
 impl Markers {
-    /// Finds the markers of a shot sampled at `rate` \[1/s\] with its trigger at `trigger` \[s\] from the record's
-    /// start.
+    /// Determines the markers of a shot sampled at `rate` \[1/s\], with its trigger at `trigger` \[s\] from the
+    /// record's start.
     pub fn find(signals: &Signals<'_>, rate: f64, trigger: f64) -> Self {
         let from = (trigger * rate).ceil().max(0.0) as usize;
         let time = |sample: usize| sample as f64 / rate - trigger;
@@ -125,19 +126,20 @@ impl Markers {
             .or(signals.table)
             .and_then(|signal| first(signal, from, START));
         let (t4, t8, t11) = signals.cylinder.map_or((None, None, None), |p| cylinder(p, rate, from));
-        // Only the drive counts: a bouncing block may land with a larger acceleration after the piston has turned back.
+        // Only the drive counts: a bouncing block may land with a larger acceleration after the piston has reversed.
         let t7 = signals.table.or(signals.block).and_then(|signal| {
             let end = t11.unwrap_or(signal.len()).min(signal.len());
             largest(&signal[..end], from, f64::abs)
         });
         let quiet = (QUIET * rate).ceil() as usize;
-        // The handle rings from the drive on; after it, the next burst is the piston's return.
+        // The handle rings from the drive onwards; the next burst is the return of the piston.
         let t10 = signals
             .handle
             .zip(t7.or(t4).or(t3))
             .and_then(|(signal, begin)| quiet_from(signal, begin, IMPACT, quiet))
             .filter(|quiet| t11.is_none_or(|back| *quiet <= back));
-        // A handle that still rings above 6 g when the piston is back shows a burst instead of an end of quiet.
+        // If the handle still rings above 6 g when the piston returns, t12 is a burst instead of the end of a quiet
+        // period.
         let t12 = match (signals.handle, t10, t11) {
             (Some(signal), Some(begin), None) => first(signal, begin, IMPACT),
             (Some(signal), _, Some(back)) => burst(signal, back, rate),
@@ -159,7 +161,7 @@ impl Markers {
         }
     }
 
-    /// Names and instants of the markers that were found, in time.
+    /// Names and times of the markers found, in chronological order.
     pub fn found(&self) -> Vec<(&'static str, f64)> {
         let own = [
             Some(0.0),
@@ -199,7 +201,7 @@ impl Markers {
     }
 }
 
-/// The sample of the largest value from `begin` on.
+/// The sample with the largest value from `begin` onwards.
 fn largest(signal: &[f64], begin: usize, value: impl Fn(f64) -> f64) -> Option<usize> {
     let rest = signal.get(begin..)?;
     let best = rest
@@ -209,7 +211,7 @@ fn largest(signal: &[f64], begin: usize, value: impl Fn(f64) -> f64) -> Option<u
     Some(begin + best.0)
 }
 
-/// The first sample from `begin` on from which a signal stays below `limit` for `quiet` samples.
+/// The first sample from `begin` onwards after which a signal stays below `limit` for `quiet` samples.
 fn quiet_from(signal: &[f64], begin: usize, limit: f64, quiet: usize) -> Option<usize> {
     let mut since = begin;
     for (i, a) in signal.iter().enumerate().skip(begin) {
@@ -222,8 +224,8 @@ fn quiet_from(signal: &[f64], begin: usize, limit: f64, quiet: usize) -> Option<
     None
 }
 
-/// The first sample of a burst of a signal that may still ring: one above the impact limit and above twice the peak of
-/// the 2 ms before its onset.
+/// The first sample of a burst in a signal that may still ring: it exceeds the impact limit and twice the peak of the 2
+/// ms before its onset.
 fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     let start = onset(signal, begin, rate)?;
     let window = ((QUIET * rate).ceil() as usize).max(1);
@@ -233,16 +235,16 @@ fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     (after >= IMPACT && after > 2.0 * before).then_some(start)
 }
 
-/// Onset of the first steep burst from `begin` on: the sample that divides the changes x of the signal from sample to
-/// sample, up to there, into two parts whose variances have the least information criterion (Maeda 1985, Zisin 38, p.
-/// 365),
+/// Onset of the first steep burst from `begin` onwards: the sample that divides the sample-to-sample changes x of the
+/// signal, up to that burst, into two parts whose variances minimise the information criterion (Maeda 1985, Zisin 38,
+/// p. 365),
 ///
 /// ```text
 /// AIC(k) = k ln var(x_1 .. x_k) + (n - k) ln var(x_k+1 .. x_n)
 /// ```
 ///
-/// Changes rise with the frequency, and an impact stands out of the ringing of low modes. The burst is steep where a
-/// change reaches half of the largest one.
+/// Changes increase with frequency, so an impact stands out from the ringing of low modes. The burst is steep where a
+/// change reaches half of the largest change.
 fn onset(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     let changes = changes(signal.get(begin..)?);
     let largest = changes.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
@@ -255,8 +257,7 @@ fn changes(signal: &[f64]) -> Vec<f64> {
     signal.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-/// The information criterion of [`onset`] at every sample of a signal; infinite where a part is too short for a
-/// variance.
+/// The information criterion of [`onset`] at every sample of a signal; infinite if a part is too short for a variance.
 fn criterion(signal: &[f64]) -> Vec<f64> {
     let variances = || {
         let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
@@ -268,7 +269,7 @@ fn criterion(signal: &[f64]) -> Vec<f64> {
             squares / count
         }
     };
-    // Silence has no logarithm.
+    // Avoids the logarithm of zero for silence.
     let silence = f64::MIN_POSITIVE;
     let before: Vec<f64> = signal.iter().map(variances()).collect();
     let mut after: Vec<f64> = signal.iter().rev().map(variances()).collect();
@@ -282,18 +283,18 @@ fn criterion(signal: &[f64]) -> Vec<f64> {
     (0..signal.len()).map(at).collect()
 }
 
-/// Place of the least finite value.
+/// Index of the smallest finite value.
 fn least(criterion: &[f64]) -> Option<usize> {
     let finite = (0..criterion.len()).filter(|&k| criterion[k].is_finite());
     finite.min_by(|&a, &b| criterion[a].total_cmp(&criterion[b]))
 }
 
-/// How much later than expected the burst of t12 arrives at the microphones \[s\], from their pressures and the
-/// instants at which each expects it, from the record's start on \[s\].
+/// How much later than expected the burst of t12 arrives at the microphones \[s\], given their pressures and the time
+/// at which each expects it, from the record's start \[s\].
 ///
-/// The microphones are one array: the sample has the least sum of their information criteria (Maeda 1985), because
-/// single microphones may lie where the tool hardly radiates. It is looked for within 4 ms; `None` where a record ends
-/// before.
+/// The microphones are treated as one array: the chosen sample has the smallest sum of their information criteria
+/// (Maeda 1985), because single microphones may be in directions in which the tool hardly radiates. It is searched for
+/// within 4 ms; `None` if a record ends earlier.
 pub fn arrival(pressures: &[Vec<f64>], rate: f64, expected: &[f64]) -> Option<f64> {
     let around = (ARRIVAL * rate).round() as usize;
     let mut sum = vec![0.0; 2 * around];
@@ -307,8 +308,8 @@ pub fn arrival(pressures: &[Vec<f64>], rate: f64, expected: &[f64]) -> Option<f6
     Some((least(&sum)? as f64 - around as f64) / rate)
 }
 
-/// Samples at which the transducer begins to see the pressure behind the piston, at which that has come to rest, and at
-/// which it is lost.
+/// Samples at which the transducer becomes exposed to the pressure above the piston, at which that pressure has
+/// settled, and at which the exposure ends.
 fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<usize>, Option<usize>) {
     let step = ((STEEP * rate).round() as usize).max(1);
     let Some(rest) = pressure.get(from..).filter(|rest| rest.len() > 2 * step) else {
@@ -317,9 +318,9 @@ fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<
     let slopes: Vec<f64> = rest.windows(step + 1).map(|window| window[step] - window[0]).collect();
     let middle = |at: usize| from + at + step.div_ceil(2);
     let rise = largest(&slopes, 0, |slope| slope);
-    // When the piston is back, the pressure behind it may have fallen below that of the return chamber: a step of
-    // either sign, in a pressure that falls faster while the exhaust is open. A step stands out of the slopes on either
-    // side. The step of the passage rings in the record at first.
+    // When the piston returns, the pressure above it may have fallen below that of the return chamber, so the step may
+    // have either sign, in a pressure that falls faster while the exhaust is open. A step stands out from the slopes on
+    // either side. The step of the piston's passage initially rings in the record.
     let settled = (SETTLED * rate).ceil() as usize;
     let beside = |at: usize| 0.5 * (slopes[at - 2 * step] + slopes[at + 2 * step]);
     let steps = slopes.len().saturating_sub(2 * step);
@@ -345,7 +346,7 @@ fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<
     (rise.map(middle), end.map(|sample| from + sample), fall.map(middle))
 }
 
-/// Root mean square over one second and peak of an acceleration, in the unit of the record.
+/// Root mean square over one second, and peak, of an acceleration, in the unit of the record.
 pub fn rms_and_peak(piece: &[f64], rate: f64) -> (f64, f64) {
     let square: f64 = piece.iter().map(|a| a * a).sum::<f64>() / rate;
     let peak = piece.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));
@@ -388,8 +389,8 @@ mod tests {
 
     #[test]
     fn a_burst_arrives_at_the_microphones_together() {
-        // Four records of the burst, each with its delay. The first two have only a hum of a tenth of its frequency,
-        // and begin.
+        // Four records of the burst, each with its own delay. The first two contain only a hum at a tenth of its
+        // frequency.
         let delays = [0.0, 3e-3, 5e-3, 8e-3];
         let record = |n: usize, delay: f64| {
             let hum = |k: usize| 60.0 * (2.0 * PI * 80.0 * k as f64 / RATE).sin();

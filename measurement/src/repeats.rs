@@ -14,18 +14,18 @@ pub const METHOD_DB: f64 = 1.5;
 /// Coverage factor of the combined uncertainty (ISO 3744:2010, 9.1).
 pub const COVERAGE: f64 = 2.0;
 
-/// A level of repeated shots \[dB\].
+/// A level from repeated shots \[dB\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct RepeatedLevel {
     /// Mean of the levels \[dB\].
     pub db: f64,
     /// Number of shots with a level.
     pub repeats: usize,
-    /// Standard uncertainty of the mean by the scatter of the repeats (type A) \[dB\]; none for one shot.
+    /// Standard uncertainty of the mean from the scatter of the repeats (type A) \[dB\]; none for one shot.
     pub standard_db: Option<f64>,
-    /// Half of the 95 % interval of the mean by Student's distribution \[dB\]; none for one shot.
+    /// Half width of the 95 % confidence interval of the mean, by Student's t distribution \[dB\]; none for one shot.
     pub half_width_db: Option<f64>,
-    /// Expanded combined uncertainty (k = 2) of scatter and method \[dB\].
+    /// Expanded combined uncertainty (k = 2) from scatter and method \[dB\].
     pub expanded_db: f64,
 }
 
@@ -56,7 +56,7 @@ impl RepeatedLevel {
         }
     }
 
-    /// The level of `first` less the energies of `others`, whose errors are independent; `None` where nothing is left.
+    /// The level of `first` minus the energies of `others`, whose errors are independent; `None` if nothing is left.
     ///
     /// ```text
     /// U = E_1 - sum_i E_i,    u(U)^2 = sum_i u(E_i)^2,    u(E) = E (ln 10/10) u(L)
@@ -79,7 +79,7 @@ impl RepeatedLevel {
     }
 }
 
-/// Factor of Student's distribution for the interval of the mean of so many values.
+/// Factor of Student's t distribution for the confidence interval of a mean of this many values.
 fn student(count: usize) -> f64 {
     StudentsT::new(0.0, 1.0, (count.max(2) - 1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * CONFIDENCE))
 }

@@ -1,5 +1,4 @@
-//! What a wrapping test measured: levels of its configurations, of the sources, of intervals; accelerations and
-//! markers.
+//! Results of a wrapping test: levels of its configurations, sources and intervals; accelerations and markers.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,7 +22,7 @@ pub struct MeasurementResult {
     pub setup: Setup,
     /// Area of the measurement surface \[m2\].
     pub area_m2: f64,
-    /// Correction for the room \[dB\]. The correction for background, K1, is 0: the residual is subtracted line by
+    /// Correction for the room \[dB\]. The background correction K1 is 0, because the residual is subtracted line by
     /// line.
     pub k2_db: f64,
     /// Range of the levels \[Hz\].
@@ -32,13 +31,13 @@ pub struct MeasurementResult {
     pub processing: Processing,
     /// The configurations as recorded.
     pub configurations: Vec<MeasuredConfiguration>,
-    /// The sources: configurations 3 to 5 less the residual.
+    /// The sources: configurations 3 to 5 minus the residual.
     pub sources: Vec<MeasuredSource>,
-    /// Upper bound of the workpiece: the total less exhaust and body.
+    /// Upper bound for the workpiece: the total minus exhaust and body.
     pub bound: Option<MeasuredBound>,
-    /// The total less the level of the sum of the three sources \[dB\].
+    /// The total minus the level of the sum of the three sources \[dB\].
     pub closure_db: Option<f64>,
-    /// What a reader must know.
+    /// What the reader must know.
     pub notes: Vec<String>,
 }
 
@@ -47,9 +46,9 @@ pub struct MeasurementResult {
 pub struct Processing {
     /// Which lines are set to zero.
     pub reading: Reading,
-    /// Whether each repeat has the residual of the same repeat instead of the mean.
+    /// Whether each repeat uses the residual of the same repeat instead of the mean.
     pub paired: bool,
-    /// Whether the residual is subtracted from the total, too.
+    /// Whether the residual is also subtracted from the total.
     pub total_less_residual: bool,
 }
 
@@ -58,7 +57,7 @@ pub struct Processing {
 pub struct MeasuredBand {
     /// Nominal mid-band frequency \[Hz\].
     pub hz: f64,
-    /// Mean of the repeats' levels \[dB re 1 pW s\]; none where nothing is left.
+    /// Mean of the repeats' levels \[dB re 1 pW s\]; none if nothing is left.
     pub lwa_db: Option<f64>,
 }
 
@@ -69,13 +68,13 @@ pub struct MeasuredInterval {
     pub from: String,
     /// Last marker.
     pub to: String,
-    /// Mean instants of both from the trigger on \[s\].
+    /// Mean times of both from the trigger \[s\].
     pub seconds: [f64; 2],
-    /// Mean level of the repeats that show both \[dB re 1 pW s\]; edges are good to 1.5 ms.
+    /// Mean level of the repeats that show both \[dB re 1 pW s\]; interval ends are accurate to 1.5 ms.
     pub lwa_db: Option<f64>,
 }
 
-/// An accelerometer in a configuration, mean of the repeats.
+/// An accelerometer in a configuration, averaged over the repeats.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredAcceleration {
     /// Its name.
@@ -95,11 +94,11 @@ pub struct MeasuredMarker {
     pub event: Option<String>,
     /// What happens.
     pub meaning: String,
-    /// Repeats that show it.
+    /// Number of repeats that show it.
     pub repeats: usize,
-    /// Mean instant from the trigger on \[s\].
+    /// Mean time from the trigger \[s\].
     pub seconds: f64,
-    /// Standard deviation of the repeats \[s\]; none for one.
+    /// Standard deviation over the repeats \[s\]; none for a single repeat.
     pub deviation_s: Option<f64>,
 }
 
@@ -108,11 +107,11 @@ pub struct MeasuredMarker {
 pub struct MeasuredConfiguration {
     /// What it measures.
     pub configuration: Configuration,
-    /// Its name, as `W-1`.
+    /// Its name, such as `W-1`.
     pub name: String,
     /// Level as recorded.
     pub level: Option<RepeatedLevel>,
-    /// Level above the residual \[dB\]; below 3 dB its subtraction is not reliable.
+    /// Level above the residual \[dB\]; below 3 dB, the subtraction is not reliable.
     pub above_residual_db: Option<f64>,
     /// Levels by one-third octave as recorded.
     pub bands: Vec<MeasuredBand>,
@@ -122,7 +121,8 @@ pub struct MeasuredConfiguration {
     pub accelerations: Vec<MeasuredAcceleration>,
     /// Markers.
     pub markers: Vec<MeasuredMarker>,
-    /// Delay of each repeat against the first configuration's first shot by the handle's or table's acceleration \[s\].
+    /// Delay of each repeat relative to the first shot of the first configuration, from the acceleration of the handle
+    /// or table \[s\].
     pub delays_s: Vec<Option<f64>>,
 }
 
@@ -133,22 +133,22 @@ pub struct MeasuredSource {
     pub source: String,
     /// Configuration that measured it.
     pub configuration: String,
-    /// Level by lines.
+    /// Level from lines.
     pub level: Option<RepeatedLevel>,
-    /// Level by energies of the range, without a limit; none where the residual is larger. Without bias, with more
+    /// Level from energies over the range, without a limit; none if the residual is larger. It has no bias but more
     /// scatter.
     pub by_energy_db: Option<f64>,
-    /// Level that a silent source would read by lines \[dB re 1 pW s\]: nothing measures lower.
+    /// Level that a silent source would yield from lines \[dB re 1 pW s\]; nothing lower can be measured.
     pub floor_db: Option<f64>,
-    /// Share of the recorded energy in lines that the limit set to zero.
+    /// Share of the recorded energy in lines set to zero by the limit.
     pub zeroed_share: f64,
-    /// Share of the energy left that lies before the trigger.
+    /// Share of the remaining energy that lies before the trigger.
     pub before_trigger_share: f64,
-    /// Levels by one-third octave, by lines.
+    /// One-third-octave levels from lines.
     pub bands: Vec<MeasuredBand>,
-    /// Levels by one-third octave, by energies of the bands.
+    /// One-third-octave levels from band energies.
     pub bands_by_energy: Vec<MeasuredBand>,
-    /// Bands whose energy is not above the residual's.
+    /// Number of bands whose energy does not exceed the residual's.
     pub negative_bands: usize,
     /// Levels between markers.
     pub intervals: Vec<MeasuredInterval>,
@@ -157,12 +157,12 @@ pub struct MeasuredSource {
 /// Upper bound of the workpiece.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredBound {
-    /// The total less exhaust and body, by lines.
+    /// The total minus exhaust and body, from lines.
     pub level: Option<RepeatedLevel>,
-    /// The same with exhaust and body by energies, which have no bias.
+    /// The same with exhaust and body from energies, which have no bias.
     pub by_energy_db: Option<f64>,
-    /// By one-third octave, by lines.
+    /// One-third-octave levels, from lines.
     pub bands: Vec<MeasuredBand>,
-    /// Bands in which nothing is left.
+    /// Number of bands in which nothing is left.
     pub negative_bands: usize,
 }

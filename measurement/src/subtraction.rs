@@ -4,8 +4,8 @@
 //! G^2 = 1 - R^2/|S|^2   where 10 lg(|S|^2/R^2) >= beta,   else G = 0;      X = G S
 //! ```
 //!
-//! S is the spectrum of a shot, R^2 the mean of those of the residual's shots, X keeps the phase of S. For lines of a
-//! Gaussian process the rule overestimates: [`expected_energy`].
+//! S is the spectrum of a shot, R^2 the mean over the residual's shots, and X has the phase of S. For lines of a
+//! Gaussian process, the rule overestimates, see [`expected_energy`].
 
 use std::str::FromStr;
 
@@ -33,7 +33,7 @@ pub enum Reading {
 impl FromStr for Reading {
     type Err = value::Error;
 
-    /// A reading by its word, as in the result.
+    /// Parses a reading from its name in the result.
     fn from_str(word: &str) -> Result<Self, value::Error> {
         Self::deserialize(word.into_deserializer())
     }
@@ -47,7 +47,7 @@ impl Reading {
         let kept = match self {
             Self::Margin => signal >= limit * residual,
             Self::Corrected => corrected >= limit * residual,
-            // The exposure of the line, 2 |X|^2 df, over 1 s.
+            // The exposure of the line over 1 s, 2 |X|^2 df.
             Self::Literal => 2.0 * corrected * df >= limit * REFERENCE_PRESSURE.powi(2),
         };
         if kept && corrected > 0.0 {
@@ -58,8 +58,8 @@ impl Reading {
     }
 }
 
-/// Mean of |X|² for complex Gaussian lines of mean energies `signal` a = E|S|² and `residual` b = E|R|², in the unit of
-/// the energies. R² is the mean of `repeats` K residuals, and the limit is `limit_db` beta. The true value is a - b.
+/// Mean of |X|² for complex Gaussian lines with mean energies `signal` a = E|S|² and `residual` b = E|R|², in the unit
+/// of the energies. R² is the mean of `repeats` K residuals, and the limit is `limit_db` beta. The true value is a - b.
 ///
 /// ```text
 /// E|X|^2 = a q^-K + (g - 1) b q^(-K-1),   g = 10^(beta/10),   q = 1 + g b/(K a)
@@ -128,7 +128,7 @@ mod tests {
         }
     }
 
-    /// The closed form against the rule itself on drawn lines.
+    /// The closed form, compared with the rule itself for random lines.
     #[test]
     fn drawn_lines_have_the_expected_energy() {
         const N: u64 = 200_000;

@@ -1,4 +1,4 @@
-//! Selective wrapping: which part of each source's energy a configuration of the test lets through.
+//! Selective wrapping: which part of each source's energy each configuration of the test transmits.
 
 use std::f64::consts::LN_10;
 
@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 pub enum Configuration {
     /// Nothing is wrapped: all sources.
     Total,
-    /// Everything is wrapped: what the wraps let through.
+    /// Everything is wrapped: what the wraps transmit.
     Residual,
-    /// The exhaust alone is bare.
+    /// Only the exhaust is bare.
     Exhaust,
-    /// The body alone is bare.
+    /// Only the body is bare.
     Body,
-    /// The workpiece, with the worktable if there is one, alone is bare.
+    /// Only the workpiece is bare, with the worktable if there is one.
     Workpiece,
 }
 
@@ -32,7 +32,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// All, in their order.
+    /// All, in order.
     pub const ALL: [Self; 3] = [Self::Workpiece, Self::Exhaust, Self::Body];
 
     /// Its name in manifests and results.
@@ -46,7 +46,7 @@ impl Role {
 }
 
 impl Configuration {
-    /// All, in their order.
+    /// All, in order.
     pub const ALL: [Self; 5] = [Self::Total, Self::Residual, Self::Exhaust, Self::Body, Self::Workpiece];
 
     /// The configuration with a number from 1 to 5.
@@ -68,7 +68,7 @@ impl Configuration {
         }
     }
 
-    /// The source that it measures once the residual is subtracted; `None` for total and residual.
+    /// The source that it measures after subtraction of the residual; `None` for total and residual.
     pub fn source(self) -> Option<Role> {
         match self {
             Self::Total | Self::Residual => None,
@@ -82,9 +82,9 @@ impl Configuration {
 /// Insertion loss of a wrap or muffler \[dB\]: linear in lg f between two frequencies \[Hz\], constant outside.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InsertionLoss {
-    /// Lower frequency \[Hz\] and loss \[dB\] up to it.
+    /// Lower frequency \[Hz\], and loss below it \[dB\].
     pub low: (f64, f64),
-    /// Upper frequency \[Hz\] and loss \[dB\] from it on.
+    /// Upper frequency \[Hz\], and loss above it \[dB\].
     pub high: (f64, f64),
 }
 
@@ -96,13 +96,13 @@ impl InsertionLoss {
         d0 + share * (d1 - d0)
     }
 
-    /// Part of the energy that passes, 10^(-D/10).
+    /// Fraction of the energy transmitted, 10^(-D/10).
     pub fn transmission(&self, hz: f64) -> f64 {
         decibels_as_share(self.db(hz))
     }
 }
 
-/// Share of an energy that a loss \[dB\] leaves.
+/// Fraction of the energy that remains after a loss \[dB\].
 pub fn decibels_as_share(loss: f64) -> f64 {
     (-0.1 * LN_10 * loss).exp()
 }
@@ -116,13 +116,13 @@ pub struct Wrapping {
     pub body: InsertionLoss,
     /// Muffler on the exhaust.
     pub muffler: InsertionLoss,
-    /// Share of the exhaust's energy that the body's wrap, tight on the exhaust, leaves.
+    /// Fraction of the exhaust's energy that passes the body's wrap, which fits tightly around the exhaust.
     pub exhaust_mask: f64,
-    /// Share of the workpiece's energy that the body's wrap, down over the nose, leaves.
+    /// Fraction of the workpiece's energy that passes the body's wrap, which extends down over the nose.
     pub workpiece_mask: f64,
 }
 
-/// Shares of energy that pass at one frequency.
+/// Fractions of energy transmitted at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmissions {
     /// Through the workpiece's wrap, t_w.
@@ -131,14 +131,14 @@ pub struct Transmissions {
     pub body: f64,
     /// Through the muffler, t_m.
     pub muffler: f64,
-    /// Of the exhaust past the body's wrap, m_x.
+    /// Exhaust noise past the body's wrap, m_x.
     pub exhaust_mask: f64,
-    /// Of the workpiece past the body's wrap, m_w.
+    /// Workpiece noise past the body's wrap, m_w.
     pub workpiece_mask: f64,
 }
 
 impl Wrapping {
-    /// Wraps that let nothing through and hide nothing.
+    /// Wraps that transmit nothing and do not mask other sources.
     pub fn perfect() -> Self {
         let all = InsertionLoss {
             low: (100.0, f64::INFINITY),
@@ -153,10 +153,10 @@ impl Wrapping {
         }
     }
 
-    /// What passes at a frequency.
+    /// The fractions transmitted at a frequency.
     pub fn at(&self, hz: f64) -> Transmissions {
         let through = |loss: &InsertionLoss| {
-            // Two infinite losses have no difference.
+            // Two infinite losses have no finite difference.
             if loss.low.1.is_infinite() {
                 0.0
             } else {
@@ -183,7 +183,7 @@ impl Transmissions {
         }
     }
 
-    /// Share T_cs of the energy of each source (workpiece, exhaust, body) in each configuration.
+    /// Fraction T_cs of the energy of each source (workpiece, exhaust, body) in each configuration.
     pub fn matrix(&self) -> [[f64; 3]; 5] {
         let (w, b, m) = (self.workpiece, self.body, self.muffler);
         [
@@ -196,24 +196,25 @@ impl Transmissions {
     }
 }
 
-/// Energies of the configurations, E_c = sum_s T_cs E_s + B, from those of the sources and the background, in one unit.
+/// Energies of the configurations, E_c = sum_s T_cs E_s + B, from those of the sources and the background, all in the
+/// same unit.
 pub fn configurations(shares: &[[f64; 3]; 5], sources: &[f64; 3], background: f64) -> [f64; 5] {
     shares.map(|row| row.iter().zip(sources).map(|(t, e)| t * e).sum::<f64>() + background)
 }
 
-/// Energies of the sources of least squares, none negative, from those of the configurations.
+/// Nonnegative least-squares energies of the sources, from those of the configurations.
 ///
 /// ```text
 /// min_E sum_c (sum_s T_cs E_s + B - E_c)^2,   E_s >= 0
 /// ```
 ///
-/// With three sources, all eight sets of sources that may be positive are tried: the least sum of squares among the
-/// solutions without negative values is the minimum (the problem is convex).
+/// With three sources, all eight sets of positive sources are tried; since the problem is convex, the minimum is the
+/// smallest sum of squares among the solutions without negative values.
 pub fn sources(shares: &[[f64; 3]; 5], energies: &[f64; 5], background: f64) -> [f64; 3] {
     let (mut best, mut least) = ([0.0; 3], f64::INFINITY);
     for set in 0..8_u32 {
         let present = [0, 1, 2].map(|s| set >> s & 1 == 1);
-        // Absent sources get an equation of their own, E_s = 0.
+        // Absent sources get the equation E_s = 0.
         let mut normal = nalgebra::Matrix3::<f64>::identity();
         let mut right = nalgebra::Vector3::zeros();
         for i in (0..3).filter(|i| present[*i]) {
@@ -241,18 +242,18 @@ pub fn sources(shares: &[[f64; 3]; 5], energies: &[f64; 5], background: f64) -> 
     best
 }
 
-/// What the test makes of the energies of its configurations, in the unit of these. A value may be negative.
+/// The sources' energies as evaluated from those of the configurations, in the same unit. A value may be negative.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Separated {
-    /// The workpiece bare, less the residual: X_5.
+    /// The workpiece bare, minus the residual: X_5.
     pub workpiece: f64,
-    /// The exhaust bare, less the residual: X_3.
+    /// The exhaust bare, minus the residual: X_3.
     pub exhaust: f64,
-    /// The body bare, less the residual: X_4.
+    /// The body bare, minus the residual: X_4.
     pub body: f64,
-    /// Upper bound of the workpiece: the total less exhaust and body, U = E_1 - X_3 - X_4.
+    /// Upper bound of the workpiece: the total minus exhaust and body, U = E_1 - X_3 - X_4.
     pub bound: f64,
-    /// The total over the sum of the three sources, E_1/(X_3 + X_4 + X_5).
+    /// The total divided by the sum of the three sources, E_1/(X_3 + X_4 + X_5).
     pub closure: f64,
 }
 
@@ -358,8 +359,8 @@ mod tests {
         assert_eq!((found.bound, found.closure), (3.0, 1.0));
     }
 
-    /// Wraps of 10, 20 and 30 dB that hide nothing: each source low, and the closure high, by 10 lg(1/(1 -
-    /// 10^(-D/10))).
+    /// Wraps of 10, 20 and 30 dB that do not mask other sources: each source is too low, and the closure too high, by
+    /// 10 lg(1/(1 - 10^(-D/10))).
     #[test]
     fn leaking_wraps_lower_the_sources_by_what_they_leak() {
         for (loss, expected) in [(10.0, 0.458), (20.0, 0.0436), (30.0, 0.0043)] {

@@ -1,4 +1,4 @@
-//! The workpiece: a rectangular block, of one piece or of two that touch.
+//! The workpiece: a rectangular block of one piece, or of two pieces in contact.
 
 use nalgebra::Point3;
 
@@ -7,19 +7,19 @@ use crate::{Grid, Mesh, MeshError};
 /// A rectangular block of one material.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Block {
-    /// Lengths along x, y and z \[m\].
+    /// Side lengths along x, y and z \[m\].
     pub size: [f64; 3],
-    /// Elements along x, y and z.
+    /// Number of elements along x, y and z.
     pub divisions: [usize; 3],
     /// Corner with the smallest coordinates \[m\].
     pub origin: [f64; 3],
 }
 
 impl Block {
-    /// A block with elements no longer than `element_size` \[m\], its smallest corner at `origin`.
+    /// Creates a block with elements no longer than `element_size` \[m\] and its smallest corner at `origin`.
     ///
     /// # Errors
-    /// [`MeshError::Dimension`] when a length is not positive and finite.
+    /// [`MeshError::Dimension`] unless every length is positive and finite.
     pub fn with_element_size(size: [f64; 3], element_size: f64, origin: [f64; 3]) -> Result<Self, MeshError> {
         let mut divisions = [0; 3];
         for k in 0..3 {
@@ -33,15 +33,15 @@ impl Block {
     }
 }
 
-/// Face groups of the contact between the pieces of [`jointed_block`]: the top of the lower and the underside of the
-/// upper one.
+/// Face groups of the contact between the pieces of [`jointed_block`]: the top of the lower piece and the underside of
+/// the upper one.
 pub const JOINT: [&str; 2] = ["joint_lower", "joint_upper"];
 
-/// Meshes a block of two pieces that touch at a height \[m\] above its underside and share no node. Its parts are
-/// `block` and `board`, its face groups those of [`block`] and [`JOINT`].
+/// Meshes a block of two pieces that are in contact at `height` \[m\] above its underside and share no nodes. Its parts
+/// are `block` and `board`; its face groups are those of [`block`] and [`JOINT`].
 ///
 /// # Errors
-/// As [`block`]; the height must lie within the block.
+/// Same as [`block`]; also if the height is not within the block.
 pub fn jointed_block(size: [f64; 3], element_size: f64, origin: [f64; 3], height: f64) -> Result<Mesh, MeshError> {
     let piece = |thickness: f64, from: f64, joint: [&str; 2]| {
         let [x, y, z] = origin;
@@ -60,8 +60,8 @@ pub fn jointed_block(size: [f64; 3], element_size: f64, origin: [f64; 3], height
     Ok(mesh)
 }
 
-/// Meshes a block with 20-node hexahedra; part `block`, face groups `x_min`, `x_max`, `y_min`, `y_max`, `bottom`,
-/// `top`.
+/// Meshes a block with 20-node hexahedra. The part is `block`; the face groups are `x_min`, `x_max`, `y_min`, `y_max`,
+/// `bottom` and `top`.
 ///
 /// # Errors
 /// [`MeshError::Dimension`] or [`MeshError::NoElements`].

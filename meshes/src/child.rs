@@ -1,17 +1,16 @@
-//! A program that ends when this process ends, however it ends.
+//! Runs a child program that ends when this process ends, for whatever reason.
 //!
-//! A signal that no process can catch (`kill -9`) ends this process without a chance to end its child. A shell
-//! therefore starts the program and watches a pipe whose other end belongs to this process. The system closes that end
-//! when the process ends, and the shell then kills the program. Where there is no POSIX shell (Windows) the program
-//! works on to its end.
+//! A signal that cannot be caught (`kill -9`) ends this process without a chance to end its child. A shell therefore
+//! starts the program and watches a pipe whose other end this process holds open. The system closes that end when the
+//! process dies, and the shell then kills the program. Without a POSIX shell (Windows), the program runs to completion.
 
 use std::ffi::OsStr;
 use std::io;
 use std::process::{Command, ExitStatus, Output, Stdio};
 
-/// Starts its arguments as a command and kills it when standard input ends. The watcher does not share the program's
-/// pipes, and it ends before the number of the process can belong to another. Ctrl-C, which a terminal sends to all of
-/// them, is left to this process: the program ends with it, and has nothing to say.
+/// Starts its arguments as a command and kills the command when standard input closes. The watcher does not share the
+/// program's pipes, and it ends before the process number can be reused. A terminal sends Ctrl-C to all of them, but
+/// handling it is left to this process: the program ends with it without output.
 #[cfg(unix)]
 const WATCHED: &str = r#"
 trap '' INT HUP
@@ -24,14 +23,14 @@ kill "$watcher"; wait "$watcher"
 exit "$status"
 "#;
 
-/// The variable of the shell with the limit.
+/// The shell variable that contains the time limit.
 const SECONDS: &str = "PROCESSOR_SECONDS";
 
-/// Statuses of a shell that cannot start a program.
+/// Exit statuses of a shell that cannot start a program.
 #[cfg(unix)]
 const NOT_STARTED: [i32; 2] = [126, 127];
 
-/// A program that can take further arguments.
+/// Prepares a program that can take further arguments.
 pub fn command(program: impl AsRef<OsStr>) -> Command {
     #[cfg(unix)]
     {
@@ -43,28 +42,28 @@ pub fn command(program: impl AsRef<OsStr>) -> Command {
     Command::new(program)
 }
 
-/// Ends a [`command()`] after so many seconds of processor time; on Windows it is unlimited.
+/// Limits the processor time of a [`command()`] \[s\]; on Windows it remains unlimited.
 pub(crate) fn limit(command: &mut Command, seconds: u64) {
     command.env(SECONDS, seconds.to_string());
 }
 
-/// Whether the system ended a program because it had used up its [`limit`].
+/// Whether the system ended a program because it exceeded its [`limit`].
 pub(crate) fn ran_out(output: &Output) -> bool {
     // The shell adds 128 to SIGKILL (9) and SIGXCPU (24).
     output.status.code().is_some_and(|code| [137, 152].contains(&code))
 }
 
-/// Runs a [`command()`] to its end.
+/// Runs a [`command()`] to completion.
 ///
 /// # Errors
-/// When it cannot be started, with the reason.
+/// The reason why it cannot be started.
 pub fn output(command: &mut Command) -> io::Result<Output> {
     let streams = command
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
     let mut child = streams.spawn()?;
-    // Stays open: the shell waits for its end.
+    // This pipe must stay open, because the shell waits for it to close.
     let open = child.stdin.take();
     let output = child.wait_with_output()?;
     drop(open);
@@ -78,14 +77,14 @@ pub fn output(command: &mut Command) -> io::Result<Output> {
     Ok(output)
 }
 
-/// Runs a [`command()`] to its end with the outputs of this process. Returns its status; the shell adds 128 for a
-/// signal.
+/// Runs a [`command()`] to completion with this process's output streams. Returns its status; the shell adds 128 to the
+/// number of a signal.
 ///
 /// # Errors
-/// When it cannot be started or waited for.
+/// If it cannot be started or waited for.
 pub fn status(command: &mut Command) -> io::Result<ExitStatus> {
     let mut child = command.stdin(Stdio::piped()).spawn()?;
-    // Not closed by the wait: the shell waits for its end.
+    // Waiting must not close this pipe, because the shell waits for it to close.
     let open = child.stdin.take();
     let status = child.wait();
     drop(open);

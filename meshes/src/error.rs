@@ -1,4 +1,4 @@
-//! Errors of a mesh or of a request to it.
+//! Errors in a mesh or in a request to it.
 
 use std::path::PathBuf;
 
@@ -15,20 +15,20 @@ pub enum MeshError {
         /// The value found \[m\].
         value: f64,
     },
-    /// A direction was to be divided into no elements.
+    /// A direction would be divided into no elements.
     #[error("{what} would have no element; ask for at least one")]
     NoElements {
         /// Which direction.
         what: &'static str,
     },
-    /// Two dimensions exclude each other.
+    /// Two dimensions are incompatible.
     #[error("{what}: {inner} m does not fit into {outer} m; make it smaller")]
     DoesNotFit {
         /// Which dimensions.
         what: &'static str,
-        /// The part's size \[m\].
+        /// Size of the part \[m\].
         inner: f64,
-        /// The room it has \[m\].
+        /// Space available for it \[m\].
         outer: f64,
     },
     /// Grid lines do not increase.
@@ -46,7 +46,7 @@ pub enum MeshError {
     UnknownGroup {
         /// The name asked for.
         name: String,
-        /// The names there are, comma separated.
+        /// The available names, comma separated.
         known: String,
     },
     /// No element or face contains the point.
@@ -58,7 +58,7 @@ pub enum MeshError {
         y: f64,
         /// Coordinate \[m\].
         z: f64,
-        /// Where it was looked for.
+        /// The searched elements or faces.
         place: String,
         /// Distance to the searched elements or faces \[m\].
         distance: f64,
@@ -81,7 +81,7 @@ pub enum MeshError {
     Write {
         /// The file that was to be written.
         path: PathBuf,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// Reading a file failed.
@@ -89,10 +89,10 @@ pub enum MeshError {
     Read {
         /// The file that was to be read.
         path: PathBuf,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A `.msh` file is damaged or not of a kind that can be used.
+    /// A `.msh` file is damaged or unsuitable.
     #[error("{}: {problem}", path.display())]
     Msh {
         /// The file.
@@ -100,7 +100,7 @@ pub enum MeshError {
         /// The fault.
         problem: MshError,
     },
-    /// Elements of a mesh are inverted or flat.
+    /// Elements of a mesh are inverted or degenerate.
     #[error(
         "element {element} has the Jacobian determinant {determinant:.3e} m3 at its worst node, as the worst of \
          {inverted} \
@@ -110,11 +110,11 @@ pub enum MeshError {
     Inverted {
         /// Number of the element: that of its file if it has one, else its index.
         element: u64,
-        /// Its determinant \[m3\].
+        /// Its Jacobian determinant \[m3\].
         determinant: f64,
-        /// How many elements are inverted or flat.
+        /// Number of inverted or degenerate elements.
         inverted: usize,
-        /// How many there are.
+        /// Total number of elements.
         of: usize,
     },
     /// More than two elements share a face.
@@ -124,10 +124,10 @@ pub enum MeshError {
          elements that are there twice (gmsh: Coherence Mesh)"
     )]
     OpenSkin {
-        /// How many edges.
+        /// Number of such edges.
         edges: usize,
     },
-    /// gmsh is not to be found.
+    /// gmsh cannot be found.
     #[error(
         "new geometry needs gmsh, and {program} cannot be started ({reason}); install it with \
          `apt-get install --no-install-recommends gmsh` (Debian, Ubuntu), `brew install gmsh` or `pip install gmsh`, \
@@ -136,7 +136,7 @@ pub enum MeshError {
     NoGmsh {
         /// The program.
         program: String,
-        /// The system's reason.
+        /// Error of the operating system.
         reason: String,
     },
     /// gmsh could not mesh a geometry.
@@ -144,10 +144,10 @@ pub enum MeshError {
     Gmsh {
         /// The geometry.
         what: String,
-        /// Its own words.
+        /// The message of gmsh.
         reason: String,
     },
-    /// gmsh did not end in time.
+    /// gmsh exceeded its time limit.
     #[error(
         "gmsh could not mesh {what}: it had not ended after {seconds} s of processor time, several times what such a \
          body takes: its \
@@ -160,7 +160,7 @@ pub enum MeshError {
         /// Its limit of processor time \[s\].
         seconds: u64,
     },
-    /// A geometry consists of faces.
+    /// A geometry consists of faces without a solid.
     #[error(
         "{what} contains {faces} faces and no solid, also after sewing faces with common edges; export a solid body \
          (STEP: \"solid\", \
@@ -169,20 +169,20 @@ pub enum MeshError {
     Sheets {
         /// The geometry.
         what: String,
-        /// How many faces it has.
+        /// Number of faces.
         faces: usize,
     },
-    /// A solid that is asked for does not exist.
+    /// The requested solid does not exist.
     #[error("{what} has no solid {asked}; there are {solids}")]
     NoSolid {
         /// The geometry.
         what: String,
-        /// The number asked for, from 1.
+        /// The requested number, from 1.
         asked: usize,
-        /// The solids that there are, in words.
+        /// Description of the available solids.
         solids: String,
     },
-    /// A mesh would need more memory than is allowed.
+    /// A mesh would need more memory than allowed.
     #[error(
         "{what} with element sides of at most {} mm would have about {elements:.1e} elements, for which gmsh needs \
          {gigabytes:.1} GB; \
@@ -191,16 +191,16 @@ pub enum MeshError {
     TooFine {
         /// The geometry.
         what: String,
-        /// Longest element side asked for \[m\].
+        /// Longest element side requested \[m\].
         size: f64,
         /// Estimated number of elements.
         elements: f64,
-        /// Memory that they need \[GB\].
+        /// Memory required \[GB\].
         gigabytes: f64,
-        /// Memory that is allowed \[GB\].
+        /// Memory allowed \[GB\].
         allowed: f64,
     },
-    /// A solid geometry is far larger or smaller than the object it represents.
+    /// A solid geometry is far too large or too small for the object that it represents.
     #[error("{what} is {extent:.4e} m long, expected are {:.4e} to {:.4e} m; give the unit of its \
         lengths", expected[0], expected[1])]
     Extent {
@@ -211,7 +211,7 @@ pub enum MeshError {
         /// Its allowed range \[m\].
         expected: [f64; 2],
     },
-    /// gmsh does not keep its elements below the required size.
+    /// gmsh exceeds the requested element size.
     #[error(
         "gmsh leaves an element side of {longest:.4} m in {what}, where {size:.4} m is asked for; divide its faces \
          (gmsh: \
@@ -220,27 +220,27 @@ pub enum MeshError {
     TooLong {
         /// The geometry.
         what: String,
-        /// The longest side of the finest mesh \[m\].
+        /// The longest side in the finest mesh \[m\].
         longest: f64,
-        /// The longest that is allowed \[m\].
+        /// The longest side allowed \[m\].
         size: f64,
     },
-    /// A geometry is of a kind that gmsh does not open.
+    /// gmsh cannot open this type of geometry file.
     #[error("{}: known are .msh, .msh.gz, .step, .stp, .brep, .igs and .iges", path.display())]
     UnknownKind {
         /// The file.
         path: PathBuf,
     },
-    /// A mesh cannot be written as a file of this kind.
+    /// The mesh cannot be written in this file format.
     #[error("{}: meshes are written as .vtu, .msh or .msh.gz", path.display())]
     UnknownOutput {
         /// The file.
         path: PathBuf,
     },
-    /// A quadrature rule without points was asked for.
+    /// A quadrature rule was requested with an unsupported number of points.
     #[error("a Gauss rule with {points} points is not available; use at least 1")]
     GaussPoints {
-        /// Points asked for.
+        /// Number of points requested.
         points: usize,
     },
 }

@@ -4,14 +4,14 @@ use std::num::NonZeroUsize;
 
 use gauss_quad::GaussLegendre;
 
-/// Points and weights of the Gauss-Legendre rule with `n` points on \[-1, 1\], ascending, exact for polynomials of
-/// degree 2n - 1; none for n = 0.
+/// Points and weights of the Gauss-Legendre rule with `n` points on \[-1, 1\], in ascending order, exact for
+/// polynomials of degree 2n - 1; empty for n = 0.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let Some(points) = NonZeroUsize::new(n) else {
         return Vec::new();
     };
     let mut rule = GaussLegendre::new(points).into_node_weight_pairs().into_vec();
-    // The points of the library are symmetric up to rounding only, and its middle point is not zero.
+    // The library's points are symmetric only up to rounding, and its middle point is not exactly zero.
     for i in 0..n / 2 {
         let (x, weight) = rule[n - 1 - i];
         rule[i] = (-x, weight);

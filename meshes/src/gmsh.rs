@@ -1,5 +1,5 @@
-//! New geometry is meshed by the gmsh command (C. Geuzaine and J.-F. Remacle, 2009), which need not be installed for
-//! anything else.
+//! Meshes new geometry with the gmsh command (C. Geuzaine and J.-F. Remacle, 2009), which is not needed for anything
+//! else.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -9,49 +9,49 @@ use crate::msh::{self, Imported};
 use crate::temporary::TemporaryFolder;
 use crate::{FaceGroup, FaceRef, Mesh, MeshError, Surface};
 
-/// Name of the environment variable that names the program.
+/// Environment variable that names the gmsh program.
 const PROGRAM: &str = "NAILNOISE_GMSH";
 
-/// Beginning of the names of gmsh's working folders.
+/// Prefix of gmsh's working folders.
 const FOLDER: &str = "nailnoise-gmsh-";
 
-/// What gmsh can be asked to mesh.
+/// A meshing task for gmsh.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Job<'a> {
-    /// Name for messages.
+    /// Name used in messages.
     pub(crate) what: String,
     /// The script.
     pub(crate) script: &'a str,
-    /// Constants of the script.
+    /// Constants defined for the script.
     pub(crate) constants: Vec<(&'static str, f64)>,
-    /// A geometry that the script opens, copied next to it under this name.
+    /// A geometry file that the script opens, and the name under which it is copied next to the script.
     pub(crate) beside: Option<(&'a Path, String)>,
-    /// Files that the script may write, which are read into [`Made::written`].
+    /// Files that the script may write; their contents are returned in [`Made::written`].
     pub(crate) reports: &'static [&'static str],
-    /// Processor time after which gmsh is ended if it mends folded elements by the elastic analogy \[s\]. An attempt
-    /// without the analogy has [`SHARE_WITHOUT_ANALOGY`] of it. None means no limit.
+    /// Limit on the processor time if gmsh repairs folded elements by elastic analogy \[s\]. Without the analogy the
+    /// limit is multiplied by [`SHARE_WITHOUT_ANALOGY`]. None means no limit.
     pub(crate) seconds: Option<f64>,
 }
 
-/// The constant of the scripts that says how gmsh mends the elements that curved sides fold.
+/// The script constant that selects how gmsh repairs elements folded by curved sides.
 const OPTIMISE: &str = "optimise";
 
-/// How gmsh mends folded elements: values of `Mesh.HighOrderOptimize`, in the order of the attempts.
+/// How gmsh repairs folded elements: values of `Mesh.HighOrderOptimize`, in the order in which they are tried.
 ///
-/// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some ten of 8 500
-/// elements of half a tool are folded.
+/// The elastic analogy deforms the entire mesh and takes three quarters of gmsh's time, although only about ten of the
+/// 8500 elements in half a tool are folded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum HighOrderOptimization {
-    /// None: folded elements stay as they are.
+    /// None: folded elements are left as they are.
     None = 0,
-    /// Optimisation of each folded element with those around it.
+    /// Optimisation of each folded element together with its neighbours.
     Each = 1,
     /// The elastic analogy, then optimisation.
     Elastic = 2,
 }
 
 impl HighOrderOptimization {
-    /// Whole seconds of processor time of a limit with the elastic analogy \[s\].
+    /// The limit on processor time, given the limit with the elastic analogy \[s\], rounded to full seconds.
     fn limit(self, seconds: f64) -> u64 {
         let share = match self {
             Self::None | Self::Each => SHARE_WITHOUT_ANALOGY,
@@ -61,11 +61,11 @@ impl HighOrderOptimization {
     }
 }
 
-/// Share of a limit of processor time that gmsh has without the elastic analogy. The N80CB takes a quarter of the time
-/// without it.
+/// Fraction of the time limit that applies without the elastic analogy. The N80CB needs a quarter of the time without
+/// it.
 pub(crate) const SHARE_WITHOUT_ANALOGY: f64 = 1.0 / 3.0;
 
-/// The version of the gmsh that would be used.
+/// Version of the gmsh command that would be used.
 ///
 /// # Errors
 /// [`MeshError::NoGmsh`].
@@ -77,7 +77,7 @@ pub fn version() -> Result<String, MeshError> {
     Ok(String::from_utf8_lossy(&text).trim().to_owned())
 }
 
-/// Whether there is a gmsh to start; it is not started.
+/// Whether a gmsh command exists; it is not started.
 pub fn is_found() -> bool {
     let program = program();
     let is_file = |path: PathBuf| path.is_file() || path.with_extension(std::env::consts::EXE_EXTENSION).is_file();
@@ -99,13 +99,13 @@ fn start(command: &mut Command, program: &str) -> Result<Output, MeshError> {
     })
 }
 
-/// Meshes by a script, anew with the elastic analogy where the quick way leaves inverted elements.
+/// Meshes a script, and repeats it with the elastic analogy if the faster method leaves inverted elements.
 pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
     with_fewest_inverted(|optimization| mesh_once(job, optimization))
 }
 
-/// The first mesh if none of its elements are inverted, else the one with fewer inverted ones. If the second cannot be
-/// made, it is also the first, because straight sides mend it.
+/// Returns the first mesh if none of its elements are inverted, else the one with fewer inverted elements. If the
+/// second mesh cannot be made, the first is returned, because straightening sides repairs it.
 fn with_fewest_inverted(
     mut made: impl FnMut(HighOrderOptimization) -> Result<Imported, MeshError>,
 ) -> Result<Imported, MeshError> {
@@ -118,18 +118,18 @@ fn with_fewest_inverted(
     Ok(elastic.filter(|mesh| mesh.mesh.inverted() < inverted).unwrap_or(quick))
 }
 
-/// What became of a script.
+/// Result of a script.
 #[derive(Debug)]
 pub(crate) struct Made {
-    /// The mesh; none where the script ended before it meshed anything and wrote a report.
+    /// The mesh; none if the script ended before meshing and wrote a report.
     pub(crate) mesh: Option<Imported>,
-    /// Content of each of [`Job::reports`] that was written.
+    /// Contents of each of [`Job::reports`] that was written.
     pub(crate) written: Vec<(&'static str, String)>,
-    /// Time that gmsh took \[s\].
+    /// Time taken by gmsh \[s\].
     pub(crate) seconds: f64,
 }
 
-/// Runs a script that always makes a mesh.
+/// Runs a script that always produces a mesh.
 fn mesh_once(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Imported, MeshError> {
     let made = made(job, optimization)?;
     made.mesh.ok_or_else(|| MeshError::Gmsh {
@@ -159,7 +159,7 @@ pub(crate) fn made(job: &Job<'_>, optimization: HighOrderOptimization) -> Result
     let program = program();
     let mut command = child::command(&program);
     command.current_dir(folder.path());
-    // One thread: the mesh must be the same on every machine.
+    // A single thread, because the mesh must be the same on every machine.
     command.args([
         "script.geo",
         "-3",
@@ -222,8 +222,8 @@ pub(crate) fn made(job: &Job<'_>, optimization: HighOrderOptimization) -> Result
     })
 }
 
-/// The first error that gmsh reports, without frame and counts of its summary. A folded element that stays folded after
-/// its optimisation is an error to gmsh; straightening mends it.
+/// The first error reported by gmsh, without the frame and counts of its summary. gmsh treats an element that remains
+/// folded after optimisation as an error, but straightening repairs it.
 fn fatal(said: &str) -> Option<&str> {
     let lines = said.lines().filter_map(|line| line.trim().strip_prefix("Error"));
     let mut errors = lines.map(|line| line.trim_start_matches([' ', ':']));
@@ -236,13 +236,13 @@ fn fatal(said: &str) -> Option<&str> {
     errors.find(|line| !line.is_empty() && !of_summary(line) && !mended(line))
 }
 
-/// A length to the nearest 2^-26 m (15 nm), so that a mesh that ships compressed is the one that is made.
+/// Rounds a length to 2^-26 m (15 nm), so that a compressed shipped mesh equals the one generated.
 fn rounded(length: f64) -> f64 {
     const GRAIN: f64 = (1 << 26) as f64;
     (length * GRAIN).round() / GRAIN
 }
 
-/// Names the outer faces of a mesh by the planes they lie in: `bottom`, `top` and `sides`.
+/// Names the outer faces of a mesh by the plane they lie in: `bottom`, `top` or `sides`.
 pub fn name_by_height(mesh: &mut Mesh) {
     let (low, high) = mesh.bounds();
     let tolerance = 1e-6 * (high - low).norm();
@@ -275,7 +275,7 @@ mod tests {
     use super::*;
     use crate::{Block, block};
 
-    /// A cube of one element. To swap two of its corners inverts it.
+    /// A cube of one element. Swapping two of its corners inverts it.
     fn cube(inverted: bool, optimization: HighOrderOptimization) -> Imported {
         let mut mesh = block(&Block {
             size: [1.0; 3],

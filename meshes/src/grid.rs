@@ -1,4 +1,4 @@
-//! Structured meshes: the cells of a rectangular grid that are filled become 20-node hexahedra.
+//! Structured meshes: filled cells of a rectangular grid become 20-node hexahedra.
 
 use std::collections::HashMap;
 
@@ -6,14 +6,14 @@ use nalgebra::Point3;
 
 use crate::{ElementKind, FaceGroup, FaceRef, Mesh, MeshError};
 
-/// A rectangular grid; where lines of different bodies coincide their meshes conform.
+/// A rectangular grid. Meshes of different bodies conform where their grid lines coincide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     lines: [Vec<f64>; 3],
 }
 
 impl Grid {
-    /// A grid from its lines along x, y and z \[m\], strictly ascending, at least two each.
+    /// Creates a grid from its lines along x, y and z \[m\], at least two each, strictly ascending.
     ///
     /// # Errors
     /// [`MeshError::NoElements`] or [`MeshError::GridLines`].
@@ -23,7 +23,7 @@ impl Grid {
             if line.len() < 2 {
                 return Err(MeshError::NoElements { what });
             }
-            // Written so that a NaN is refused too.
+            // The condition also rejects NaN.
             if let Some(i) =
                 (1..line.len()).find(|&i| line[i - 1].partial_cmp(&line[i]) != Some(std::cmp::Ordering::Less))
             {
@@ -49,9 +49,9 @@ impl Grid {
 
     /// Meshes the filled cells.
     ///
-    /// `part` gives the part of the cell with this index, or none if it is empty. `name` gives the group of an outer
-    /// face from the part it belongs to, its outward direction (axis 0 to 2, and whether towards larger coordinates)
-    /// and its centre. Elements run with x fastest, then y, then z; so do the nodes.
+    /// `part` returns the part of a cell by its index, or none if the cell is empty. `name` returns the group of an
+    /// outer face, given its part, its outward direction (axis 0 to 2, and whether towards larger coordinates) and its
+    /// centre. Elements and nodes are numbered with x varying fastest, then y, then z.
     pub fn mesh(
         &self,
         part_names: &[&str],
@@ -107,7 +107,7 @@ impl Grid {
         mesh
     }
 
-    /// Numbers the nodes in use; keys are positions on the lattice of twice the resolution, ordered z, y, x.
+    /// Numbers the nodes in use. Keys are positions on a lattice of twice the resolution, ordered z, y, x.
     fn number_nodes(&self, cells: &[[usize; 3]], mesh: &mut Mesh) -> HashMap<[usize; 3], usize> {
         let mut used: Vec<[usize; 3]> = cells
             .iter()

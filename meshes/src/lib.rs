@@ -1,8 +1,8 @@
-//! Finite-element meshes: structured meshers, surfaces, quality checks and files.
+//! Finite-element meshes: structured meshers, surfaces, quality checks and file formats.
 //!
-//! A [`Mesh`] contains nodes, elements with a part each, and named groups of element faces. [`block()`],
-//! [`worktable()`] and [`tool()`] build meshes of second order, [`SolidGeometry`] meshes STEP files. [`Surface`]
-//! contains the outer faces with their normals; [`Mesh::locate`] finds the nodes and weights that carry a value to any
+//! A [`Mesh`] contains nodes, elements that each belong to a part, and named groups of element faces. [`block()`],
+//! [`worktable()`] and [`tool()`] build second-order meshes; [`SolidGeometry`] meshes STEP files. [`Surface`] contains
+//! the outer faces with their normals; [`Mesh::locate`] finds the nodes and weights that interpolate a value at any
 //! point. [`msh`], [`vtu`] and [`uff`] exchange files with gmsh, ParaView and modal-test software. All lengths are in
 //! metres.
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! From points to nodes: where a point lies in a mesh, and with which weights its nodes carry a value to it.
+//! Locates points in a mesh, and finds the weights that interpolate nodal values there.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,8 @@ use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::{ElementRef, FaceKind, FaceRef, Mesh, MeshError};
 
-/// Nodes and weights of a point: u(x) = sum of weights\[a\] u(nodes\[a\]); the transpose spreads a force at x.
+/// Nodes and weights of a point: u(x) = sum of weights\[a\] u(nodes\[a\]). The transpose distributes a force at x to
+/// the nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Location {
     /// The element that contains the point.
@@ -17,14 +18,14 @@ pub struct Location {
     pub weights: Vec<f64>,
 }
 
-/// How far outside the element natural coordinates may be: points on a common face belong to either element.
+/// Tolerance in natural coordinates beyond the element: points on a common face belong to either element.
 const SLACK: f64 = 1e-9;
 
 impl Mesh {
     /// Finds the element that contains `point` \[m\] by Newton's method on x(xi) = point.
     ///
     /// # Errors
-    /// [`MeshError::Outside`] when none does.
+    /// [`MeshError::Outside`] if no element does.
     pub fn locate(&self, point: Point3<f64>) -> Result<Location, MeshError> {
         let mut nearest = f64::INFINITY;
         for (element, view) in self.elements().enumerate() {
@@ -45,11 +46,11 @@ impl Mesh {
         Err(outside(point, "the mesh".to_owned(), nearest))
     }
 
-    /// The same for a point that may lie outside the mesh by at most `off` \[m\]. The shape functions of the nearest
-    /// element are then extrapolated to it, so that every linear field is exact.
+    /// Same as `locate`, for a point that may lie up to `off` \[m\] outside the mesh. The shape functions of the
+    /// nearest element are then extrapolated, which is exact for every linear field.
     ///
     /// # Errors
-    /// [`MeshError::Outside`] with the distance when it lies farther out.
+    /// [`MeshError::Outside`] with the distance if the point is farther away.
     pub fn locate_within(&self, point: Point3<f64>, off: f64) -> Result<Location, MeshError> {
         let inside = self.locate(point);
         if !matches!(inside, Err(MeshError::Outside { .. })) {
@@ -65,7 +66,7 @@ impl Mesh {
             }
             let (xi, weights) = invert(self, element, point);
             let at = |weights: &[f64]| nodes().zip(weights).map(|(p, w)| p.coords * *w).sum::<Vector3<f64>>();
-            // The map of a curved element need not reach points far outside it.
+            // The map of a curved element may not reach points far outside it.
             let missed = (at(&weights) - point.coords).norm() > 1e-10 * box_size(&nodes().collect::<Vec<_>>());
             let (mut shape, mut slope) = (vec![0.0; weights.len()], vec![[0.0; 3]; weights.len()]);
             view.kind.shape(view.kind.clamped(xi.into()), &mut shape, &mut slope);
@@ -83,10 +84,10 @@ impl Mesh {
             .ok_or_else(|| outside(point, "the mesh".to_owned(), nearest))
     }
 
-    /// Finds the point of a face group nearest to `point`, which may lie off the faces by at most `tolerance` \[m\].
+    /// Finds the point of a face group nearest to `point`, which may be up to `tolerance` \[m\] away from the faces.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] with the distance when no face is that near.
+    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] with the distance if no face is that near.
     pub fn locate_on(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
         let mut nearest = f64::INFINITY;
         for &face in &self.group(group)?.faces {
@@ -112,15 +113,15 @@ impl Mesh {
         Err(outside(point, format!("the face group \"{group}\""), nearest))
     }
 
-    /// The weights with which the shape functions of the element behind the face of a group nearest to `point`, carried
-    /// on beyond the face if need be, take a value to the point itself: every linear field arrives unchanged. An
-    /// element too curved to reach the point is carried on by its tangent at the face. Where faces are equally near, as
-    /// where the foot lies on their common edge, the weights are the mean of those of their elements, so that a
-    /// symmetric mesh has symmetric weights. Nodes without weight are left out.
+    /// Finds weights that interpolate at `point` with the shape functions of the element behind the nearest face of a
+    /// group, extrapolated beyond the face if necessary; linear fields are reproduced exactly. If an element is too
+    /// curved to reach the point, its tangent at the face is used instead. If several faces are equally near, for
+    /// example because the foot point lies on their common edge, the weights are averaged over their elements, so that
+    /// a symmetric mesh has symmetric weights. Nodes with zero weight are omitted.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\], or the elements
-    /// behind the nearest ones are singular there.
+    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] if no face is within `tolerance` \[m\] or the elements
+    /// behind the nearest faces are singular there.
     pub fn locate_near(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
         let (mut nearest, mut nearest_box) = (f64::INFINITY, f64::INFINITY);
         let mut near: Vec<(FaceRef, Vector2<f64>)> = Vec::new();
@@ -136,7 +137,7 @@ impl Mesh {
             }
             let kind = self.face_kind(face);
             let (xi, distance) = project(kind, &corners, point);
-            // Beside the face the foot is taken back to it, as far as the size of the face says.
+            // If the foot point lies beyond the edge of the face, the distance is estimated from the size of the face.
             let distance = distance.max(kind.outside(xi.into()).max(0.0) * size);
             if distance < nearest - same {
                 near.clear();
@@ -178,8 +179,8 @@ impl Mesh {
         })
     }
 
-    /// Whether weights of an element's nodes give a point. Those of Newton's method do not where the element is too
-    /// curved for its surroundings.
+    /// Whether the weights of an element's nodes reproduce a point. Weights from Newton's method may not do so outside
+    /// a strongly curved element.
     fn carries(&self, element: ElementRef<'_>, weights: &[f64], point: Point3<f64>) -> bool {
         let at = |(&node, weight): (&usize, &f64)| self.nodes[node].coords * *weight;
         let x: Vector3<f64> = element.nodes.iter().zip(weights).map(at).sum();
@@ -187,8 +188,8 @@ impl Mesh {
         (x - point.coords).norm() <= 1e-10 * size
     }
 
-    /// Weights with which the nodes of the element behind a face carry a value to `point` by the value and gradient at
-    /// natural coordinates of the face; none where its map is singular there.
+    /// Weights with which the nodes of the element behind a face extrapolate to `point`, from the value and gradient at
+    /// natural coordinates of the face; none if the map is singular there.
     fn tangent(&self, face: FaceRef, xi: Vector2<f64>, point: Point3<f64>) -> Option<Vec<f64>> {
         let view = self.element(face.element);
         let (mut on_face, mut unused) = ([0.0; 9], [[0.0; 2]; 9]);
@@ -208,7 +209,7 @@ impl Mesh {
     }
 }
 
-/// The place of natural coordinates in an element, and the derivatives of place by them.
+/// The position of natural coordinates in an element, and its derivatives with respect to them.
 fn position(mesh: &Mesh, view: ElementRef<'_>, shape: &[f64], slope: &[[f64; 3]]) -> (Vector3<f64>, Matrix3<f64>) {
     let (mut x, mut jacobian) = (Vector3::zeros(), Matrix3::zeros());
     for ((&node, value), slope) in view.nodes.iter().zip(shape).zip(slope) {
@@ -219,7 +220,7 @@ fn position(mesh: &Mesh, view: ElementRef<'_>, shape: &[f64], slope: &[[f64; 3]]
     (x, jacobian)
 }
 
-/// Diagonal of the box around points \[m\].
+/// Diagonal of the bounding box of points \[m\].
 fn box_size(points: &[Point3<f64>]) -> f64 {
     let (low, high) = points.iter().fold(
         (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),
@@ -228,8 +229,8 @@ fn box_size(points: &[Point3<f64>]) -> f64 {
     (high - low).norm()
 }
 
-/// Natural coordinates at which an element's map x(xi) takes the value `point`, by Newton's method, with the shape
-/// functions there. For points far outside, the result is not a solution and lies far outside, too.
+/// Natural coordinates at which an element's map x(xi) equals `point`, by Newton's method, with the shape functions
+/// there. For points far outside, the result is not a solution and also lies far outside.
 fn invert(mesh: &Mesh, element: usize, point: Point3<f64>) -> (Vector3<f64>, Vec<f64>) {
     let view = mesh.element(element);
     let n = view.kind.nodes();
@@ -250,7 +251,8 @@ fn invert(mesh: &Mesh, element: usize, point: Point3<f64>) -> (Vector3<f64>, Vec
     (xi, shape)
 }
 
-/// Natural coordinates of the foot of the perpendicular from `point` on a face, and its length, by Gauss-Newton.
+/// Natural coordinates of the foot of the perpendicular from `point` to a face, and its length, by the Gauss-Newton
+/// method.
 pub(crate) fn project(kind: FaceKind, corners: &[Point3<f64>], point: Point3<f64>) -> (Vector2<f64>, f64) {
     let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
     let mut xi = Vector2::from(kind.centre());
@@ -277,7 +279,7 @@ pub(crate) fn project(kind: FaceKind, corners: &[Point3<f64>], point: Point3<f64
     (xi, off.norm())
 }
 
-/// Distance from a point to the box around nodes, 0 inside or within rounding of it \[m\].
+/// Distance from a point to the bounding box of nodes \[m\]; 0 inside or within rounding.
 fn box_distance(nodes: impl Iterator<Item = Point3<f64>>, point: Point3<f64>) -> f64 {
     let (low, high) = nodes.fold(
         (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),

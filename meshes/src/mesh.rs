@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::points;
 use crate::{ElementKind, FaceKind, FaceNodes, MeshError};
 
-/// A volume mesh: nodes, elements with a part each, named groups of element faces.
+/// A volume mesh: nodes, elements that each belong to a part, and named groups of element faces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Node positions \[m\].
@@ -14,19 +14,19 @@ pub struct Mesh {
     pub nodes: Vec<Point3<f64>>,
     /// Kind of each element.
     pub kinds: Vec<ElementKind>,
-    /// Start of each element in `connectivity`, and its end: one entry more than elements.
+    /// Start of each element in `connectivity`, followed by the end of the last: one entry more than elements.
     pub offsets: Vec<usize>,
     /// Node indices of all elements, in VTK order.
     pub connectivity: Vec<usize>,
     /// Part of each element, an index into `part_names`.
     pub parts: Vec<usize>,
-    /// Names of the parts; a part has one material.
+    /// Names of the parts; each part has one material.
     pub part_names: Vec<String>,
     /// Named groups of element faces.
     pub groups: Vec<FaceGroup>,
 }
 
-/// Faces of elements under one name, such as `top` or `floor`.
+/// A named group of element faces, such as `top` or `floor`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaceGroup {
     /// Name of the group.
@@ -75,10 +75,10 @@ impl Mesh {
         (0..self.element_count()).map(|e| self.element(e))
     }
 
-    /// The face group of this name.
+    /// Finds a face group by name.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`] with the names there are.
+    /// [`MeshError::UnknownGroup`], with the available names.
     pub fn group(&self, name: &str) -> Result<&FaceGroup, MeshError> {
         self.groups
             .iter()
@@ -94,7 +94,8 @@ impl Mesh {
             })
     }
 
-    /// Volume nodes of a face, outward by the right-hand rule: corners, then mid-sides, then the centre.
+    /// Volume nodes of a face, ordered so that its normal points outwards: corners, then mid-side nodes, then the
+    /// centre.
     pub fn face_nodes(&self, face: FaceRef) -> FaceNodes {
         let element = self.element(face.element);
         FaceNodes::of(
@@ -109,10 +110,10 @@ impl Mesh {
         self.kinds[face.element].face_kind(face.face)
     }
 
-    /// The nodes of a face group, ascending, each once.
+    /// The nodes of a face group, in ascending order without duplicates.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`] with the names there are.
+    /// [`MeshError::UnknownGroup`], with the available names.
     pub fn group_nodes(&self, name: &str) -> Result<Vec<usize>, MeshError> {
         let mut nodes: Vec<usize> = self
             .group(name)?
@@ -125,7 +126,7 @@ impl Mesh {
         Ok(nodes)
     }
 
-    /// Takes in the nodes and elements of another mesh; parts and groups of the same name become one, no node is
+    /// Appends the nodes and elements of another mesh. Parts and groups of the same name are merged; no nodes are
     /// shared.
     pub fn join(&mut self, other: &Self) {
         let (nodes, elements, corners) = (self.nodes.len(), self.element_count(), self.connectivity.len());
@@ -152,7 +153,7 @@ impl Mesh {
         }
     }
 
-    /// Index of the part of this name, which is added if there is none.
+    /// Index of the part of this name, which is added if missing.
     fn part_named(&mut self, name: &str) -> usize {
         self.part_names.iter().position(|own| own == name).unwrap_or_else(|| {
             self.part_names.push(name.to_owned());
@@ -160,7 +161,7 @@ impl Mesh {
         })
     }
 
-    /// The smallest and the largest corner of the box around all nodes \[m\].
+    /// The two extreme corners of the bounding box of all nodes \[m\].
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         self.nodes.iter().fold(
             (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),

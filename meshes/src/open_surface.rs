@@ -1,4 +1,4 @@
-//! The faces of a body that meet the open air: those of its outline, not those of cavities within it.
+//! Finds the faces of a body that are exposed to the open air: those of its outer surface, not of internal cavities.
 
 use std::f64::consts::PI;
 
@@ -6,21 +6,22 @@ use nalgebra::{Point3, Vector3};
 
 use crate::{MeshError, Surface};
 
-/// Share of the full solid angle above which a point counts as inside a closed surface.
+/// Fraction of the full solid angle above which a point counts as inside a closed surface.
 const INSIDE: f64 = 0.5;
 
-/// How far from the floor a face on it may be, as a share of the body's size.
+/// Tolerance for a face to count as lying on the floor, as a fraction of the body's size.
 const ON_FLOOR: f64 = 1e-6;
 
-/// Whether each face of a skin meets the open air, for a body in free space or above a rigid floor at a height \[m\].
+/// For each face of a skin, whether it is exposed to the open air. The body is in free space or above a rigid floor at
+/// the given height \[m\].
 ///
-/// The skin consists of closed pieces that share no point. The normals of a piece around a cavity point inwards, so
-/// that its volume, the closed integral of z n_z dS, is negative. At the points of a body within the cavity of another
-/// one, the outline of that one fills the whole solid angle. Neither radiates into the open air. The floor covers the
-/// faces that lie on it, and closes the bores that open towards it.
+/// The skin consists of closed pieces that share no points. The normals of a piece around a cavity point inwards, so
+/// that its volume, the closed integral of z n_z dS, is negative. For a body within the cavity of another, the outer
+/// surface of the latter subtends the full solid angle. Neither radiates into the open air. The floor covers faces that
+/// lie on it and closes bores that open onto it.
 ///
 /// # Errors
-/// [`MeshError::GaussPoints`] if the surface has no quadrature rule.
+/// [`MeshError::GaussPoints`] if a face has no quadrature rule.
 pub fn open_faces(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, MeshError> {
     let size = surface.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
     let covered: Vec<bool> = surface
@@ -40,14 +41,14 @@ pub fn open_faces(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, Me
     let points = surface.quadrature(3)?;
     for point in &points {
         if !covered[point.face] {
-            // Measured from the floor, in whose plane the piece may be open.
+            // Heights are measured from the floor plane, in which the piece may be open.
             volume[piece[point.face]] += (point.position.z - floor.unwrap_or(0.0)) * point.normal.z * point.weight;
         }
     }
     let mut outline: Vec<bool> = volume.iter().map(|&v| v > 0.0).collect();
     for (inner, open) in outline.iter_mut().enumerate() {
         let extremes = extremes(surface, &piece, inner);
-        // A piece that touches another one from outside has extreme points on both sides of the faces that they share.
+        // If a piece touches another one from outside, some of its extreme points do not lie on the shared faces.
         let within = |outer: usize| {
             outer != inner
                 && volume[outer] > 0.0
@@ -64,7 +65,7 @@ pub fn open_faces(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, Me
         .collect())
 }
 
-/// The piece of each face: faces of one piece are joined through common points, but not through covered faces.
+/// The piece of each face: faces of one piece are connected through common points, but not through covered faces.
 fn pieces(surface: &Surface, covered: &[bool]) -> Vec<usize> {
     let mut root: Vec<usize> = (0..surface.points.len()).collect();
     fn find(root: &mut [usize], mut i: usize) -> usize {
@@ -97,7 +98,7 @@ fn pieces(surface: &Surface, covered: &[bool]) -> Vec<usize> {
         .collect()
 }
 
-/// The points of a piece that are farthest along each axis, to either side.
+/// The extreme points of a piece in both directions of each axis.
 fn extremes(surface: &Surface, piece: &[usize], wanted: usize) -> Vec<Point3<f64>> {
     let faces = surface.faces.iter().zip(piece).filter(|&(_, &p)| p == wanted);
     let points: Vec<Point3<f64>> = faces
@@ -113,8 +114,8 @@ fn extremes(surface: &Surface, piece: &[usize], wanted: usize) -> Vec<Point3<f64
         .collect()
 }
 
-/// Solid angle of a piece from a point, 4 pi inside and 0 outside. Its faces are taken as flat triangles: tan(omega/2)
-/// = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b) (van Oosterom and Strackee, 1983).
+/// Solid angle subtended by a piece at a point: 4 pi inside and 0 outside. Faces are treated as flat triangles:
+/// tan(omega/2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b) (van Oosterom and Strackee, 1983).
 fn solid_angle(surface: &Surface, piece: &[usize], wanted: usize, from: Point3<f64>) -> f64 {
     let mut sum = 0.0;
     for (face, _) in surface.faces.iter().zip(piece).filter(|&(_, &p)| p == wanted) {
@@ -143,7 +144,7 @@ mod tests {
         .unwrap()
     }
 
-    /// A cube of n x n x n elements, some empty, its underside at z = `low`.
+    /// A cube of n x n x n elements, some of them empty, with its underside at z = `low`.
     fn hollow(n: usize, side: f64, low: f64, empty: &[[usize; 3]]) -> Mesh {
         let line = |from: f64| -> Vec<f64> { (0..=n).map(|i| from + side * i as f64 / n as f64).collect() };
         let grid = Grid::new(line(-0.5 * side), line(-0.5 * side), line(low)).unwrap();
@@ -163,15 +164,15 @@ mod tests {
     #[test]
     fn the_outline_is_open_a_cavity_and_what_floats_in_it_are_not() {
         let mut mesh = hollow(5, 1.0, -0.5, &[[2, 2, 2]]);
-        mesh.join(&cube(0.1, 0.0)); // floats in the hole
-        mesh.join(&cube(0.3, 2.0)); // stands beside
+        mesh.join(&cube(0.1, 0.0)); // inside the cavity
+        mesh.join(&cube(0.3, 2.0)); // outside, separate
         let surface = Surface::of(&mesh);
         let area = open_area(&surface, None);
         assert!((area - (6.0 + 6.0 * 0.09)).abs() < 1e-12, "{area}");
         assert!((surface.area() - area - 6.0 * 0.04 - 6.0 * 0.01).abs() < 1e-12);
     }
 
-    /// From a point of a plane face, the body behind it fills half of all directions, up to rounding.
+    /// Seen from a point on a plane face, the body fills half of the full solid angle, up to rounding.
     #[test]
     fn a_piece_that_touches_another_one_is_open() {
         let mut mesh = cube(1.0, 0.0);

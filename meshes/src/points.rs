@@ -1,4 +1,4 @@
-//! Points as triples of numbers in serialised values.
+//! Serialises points as triples of numbers.
 
 use nalgebra::Point3;
 use serde::{Deserialize as _, Deserializer, Serializer};

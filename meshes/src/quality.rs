@@ -1,29 +1,30 @@
-//! Whether a mesh can be trusted: Jacobians, closedness, orientation, pieces, size for a frequency.
+//! Mesh quality: Jacobians, closedness, orientation, connectivity, and element size for a frequency.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{ElementRef, Mesh, MeshError, Surface};
 
-/// What [`Mesh::quality`] finds.
+/// Results of [`Mesh::quality`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Quality {
-    /// Element with the smallest ratio of Jacobians, and that ratio.
+    /// The element with the smallest ratio of Jacobians.
     pub worst: Jacobian,
-    /// Elements whose Jacobian is zero or negative somewhere.
+    /// Number of elements whose Jacobian is not positive everywhere.
     pub inverted: usize,
-    /// Elements whose ratio of Jacobians is below [`POOR`].
+    /// Number of elements whose ratio of Jacobians is below [`POOR`].
     pub poor: usize,
-    /// Edges of the skin that do not join two faces of opposite direction: 0 for a closed, consistently oriented skin.
+    /// Number of edges of the skin that do not join two faces of consistent orientation: 0 for a closed, consistently
+    /// oriented skin.
     pub open_edges: usize,
-    /// Volume inside the skin by the divergence theorem \[m3\]; negative when it is inside out.
+    /// Volume enclosed by the skin, from the divergence theorem \[m3\]; negative if it is inside out.
     pub skin_volume: f64,
     /// Volume of all elements \[m3\].
     pub volume: f64,
     /// Area of the skin \[m2\].
     pub skin_area: f64,
-    /// Pieces that share no node with each other.
+    /// Number of connected pieces, which share no nodes.
     pub pieces: usize,
-    /// Nodes that lie on another node, within 1e-6 of the size of the mesh.
+    /// Number of nodes that coincide with another node within 1e-6 of the size of the mesh.
     pub coincident_nodes: usize,
     /// Shortest distance between two corners of one element \[m\].
     pub shortest_edge: f64,
@@ -31,26 +32,26 @@ pub struct Quality {
     pub longest_edge: f64,
 }
 
-/// The Jacobian determinant of an element at the worst of its nodes and its centre.
+/// The Jacobian determinant of an element, evaluated at its nodes and centre.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Jacobian {
     /// Index of the element.
     pub element: usize,
     /// Smallest determinant of dx/dxi \[m3\].
     pub determinant: f64,
-    /// Smallest over largest determinant: 1 for a parallelepiped or a tetrahedron with straight sides, 0 or less for an
+    /// Smallest over largest determinant: 1 for a parallelepiped or a straight-sided tetrahedron, 0 or less for an
     /// element that is inverted somewhere.
     pub ratio: f64,
 }
 
 impl Jacobian {
-    /// Whether the element is inverted or flat somewhere; NaN counts as that.
+    /// Whether the element is inverted or degenerate somewhere; true for NaN.
     fn is_inverted(&self) -> bool {
         self.determinant.is_nan() || self.determinant <= 0.0
     }
 }
 
-/// Ratio of Jacobians below which an element is called poor; its strains are wrong at its worst corner.
+/// Ratio of Jacobians below which an element counts as poor; strains at its worst corner are then wrong.
 pub const POOR: f64 = 0.1;
 
 impl Mesh {
@@ -72,7 +73,7 @@ impl Mesh {
         }
     }
 
-    /// How many elements are inverted or flat.
+    /// Number of inverted or degenerate elements.
     pub(crate) fn inverted(&self) -> usize {
         (0..self.element_count())
             .filter(|&element| self.jacobian(element).is_inverted())
@@ -90,10 +91,10 @@ impl Mesh {
             .sum()
     }
 
-    /// Volume of one element \[m3\], by its quadrature rule.
+    /// Volume of one element \[m3\], from its quadrature rule.
     ///
     /// # Errors
-    /// [`MeshError::GaussPoints`], never for the kinds there are.
+    /// [`MeshError::GaussPoints`]; does not occur for the existing kinds.
     pub fn volume_of(&self, element: usize) -> Result<f64, MeshError> {
         let view = self.element(element);
         Ok(view
@@ -107,7 +108,7 @@ impl Mesh {
     /// Volume of each part \[m3\].
     ///
     /// # Errors
-    /// As [`Self::volume_of`].
+    /// Same as [`Self::volume_of`].
     pub fn part_volumes(&self) -> Result<Vec<f64>, MeshError> {
         let mut volumes = vec![0.0; self.part_names.len()];
         for element in 0..self.element_count() {
@@ -119,7 +120,7 @@ impl Mesh {
     /// Examines every element and the skin.
     ///
     /// # Errors
-    /// [`MeshError::NoElements`] when the mesh is empty.
+    /// [`MeshError::NoElements`] if the mesh is empty.
     pub fn quality(&self) -> Result<Quality, MeshError> {
         let jacobians = (0..self.element_count()).map(|element| self.jacobian(element));
         let (mut worst, mut inverted, mut poor) = (None::<Jacobian>, 0, 0);
@@ -148,7 +149,7 @@ impl Mesh {
         })
     }
 
-    /// Distances between the corners that the edges of an element join \[m\].
+    /// Lengths of the element's edges, corner to corner \[m\].
     fn edge_lengths(&self, view: ElementRef<'_>) -> impl Iterator<Item = f64> {
         view.kind
             .edges()
@@ -166,7 +167,7 @@ impl Mesh {
         longest
     }
 
-    /// Number of pieces that share no node.
+    /// Number of connected pieces, which share no nodes.
     pub fn pieces(&self) -> usize {
         let mut pieces: Vec<usize> = self.piece_of_nodes().into_iter().flatten().collect();
         pieces.sort_unstable();
@@ -174,8 +175,7 @@ impl Mesh {
         pieces.len()
     }
 
-    /// For each node the first node of the piece that it belongs to, where pieces share no node; none for a node
-    /// without an element.
+    /// For each node, the first node of its connected piece; none for a node without an element.
     pub fn piece_of_nodes(&self) -> Vec<Option<usize>> {
         let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
         let mut used = vec![false; self.nodes.len()];
@@ -191,7 +191,8 @@ impl Mesh {
             .collect()
     }
 
-    /// Nodes that lie on another node, within 1e-6 of the size of the mesh; a crack, unless a tie joins them.
+    /// Number of nodes that coincide with another node within 1e-6 of the size of the mesh. They form a crack unless a
+    /// tie joins them.
     fn coincident_nodes(&self) -> usize {
         let (low, high) = self.bounds();
         let tolerance = 1e-6 * (high - low).norm();
@@ -211,11 +212,11 @@ impl Mesh {
         found
     }
 
-    /// Refuses a damaged mesh before anything is computed with it, named by the numbers of its file.
+    /// Checks a mesh for damage before it is used; `number` gives the element numbers of the file for messages.
     ///
     /// # Errors
-    /// [`MeshError::Inverted`] for the worst element whose Jacobian is zero or negative at one of its nodes,
-    /// [`MeshError::OpenSkin`] for elements that overlap.
+    /// [`MeshError::Inverted`] for the worst element whose Jacobian is not positive at one of its nodes;
+    /// [`MeshError::OpenSkin`] if elements overlap.
     pub fn validate(&self, number: impl Fn(usize) -> u64) -> Result<(), MeshError> {
         let mut inverted = 0;
         let mut worst = None::<Jacobian>;
@@ -243,7 +244,7 @@ impl Mesh {
     }
 }
 
-/// The first index of the set that an index belongs to.
+/// The first index of the set that contains an index.
 pub(crate) fn root(parent: &mut [usize], mut node: usize) -> usize {
     while parent[node] != node {
         parent[node] = parent[parent[node]];

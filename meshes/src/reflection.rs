@@ -1,18 +1,17 @@
-//! A symmetric body from the half of it that is meshed.
+//! Mirrors half of a symmetric body to make the complete mesh.
 
 use crate::{ElementKind, FaceRef, Mesh};
 
-/// Largest distance of a node in the plane from the plane \[m\]: several times the 15 nm to which coordinates are
+/// Tolerance within which a node lies in the symmetry plane \[m\]: several times the 15 nm to which coordinates are
 /// rounded.
 const IN_PLANE: f64 = 1e-7;
 
 impl Mesh {
-    /// Adds the image of all elements, which lie at y >= 0, in the plane y = 0, with their parts and groups. Both
-    /// halves share the nodes in the plane. Returns the element and the node of the half that each element and node is
-    /// the image of.
+    /// Adds the mirror image of all elements, which lie at y >= 0, in the plane y = 0, including their parts and
+    /// groups. Both halves share the nodes in the plane. Returns the original of each element and node.
     ///
-    /// The mesh of a symmetric body is then symmetric to the last digit: even and odd modes are independent problems of
-    /// half the size, and so are even and odd sound fields.
+    /// The mesh is then exactly symmetric. Even and odd modes, and even and odd sound fields, are independent problems
+    /// of half the size.
     pub(crate) fn add_image(&mut self) -> Images {
         let (nodes, elements) = (self.nodes.len(), self.element_count());
         let mut node_of: Vec<usize> = (0..nodes).collect();
@@ -39,7 +38,7 @@ impl Mesh {
         }
         let mut groups = std::mem::take(&mut self.groups);
         for group in &mut groups {
-            // A face in the plane is now between two elements.
+            // A face in the plane has become internal.
             group
                 .faces
                 .retain(|&face| self.face_nodes(face).into_iter().any(|node| image[node] != node));
@@ -59,15 +58,15 @@ impl Mesh {
     }
 }
 
-/// The originals of the elements and nodes of a mesh with its image; those of the half are their own.
+/// For each element and node of a mirrored mesh, its original; those of the first half are their own originals.
 pub(crate) struct Images {
     pub(crate) elements: Vec<usize>,
     pub(crate) nodes: Vec<usize>,
 }
 
 impl ElementKind {
-    /// For each local node of the image of an element, the local node of the element that it is the image of. The first
-    /// two natural coordinates are exchanged, so that the image is not inverted.
+    /// For each local node of a mirrored element, the corresponding local node of the original. The first two natural
+    /// coordinates are exchanged, so that the mirrored element is not inverted.
     fn reflected_nodes(self) -> impl Iterator<Item = usize> {
         let natural = self.natural_nodes();
         natural.iter().map(|&[x, y, z]| {
@@ -76,7 +75,7 @@ impl ElementKind {
         })
     }
 
-    /// The number that a face has on the image of its element.
+    /// The number of a face after mirroring its element.
     fn reflected_face(self, face: usize) -> usize {
         let reflected: Vec<usize> = self.reflected_nodes().collect();
         let (faces, corners) = (self.faces(), self.face_kind(face).corners());
@@ -95,7 +94,7 @@ mod tests {
     use super::*;
     use crate::{FaceGroup, FaceNodes, Surface};
 
-    /// One element of a kind at y > 0 with one face in the plane y = 0, every face a group.
+    /// One element at y > 0 with one face in the plane y = 0; every face is a group.
     fn half(kind: ElementKind) -> Mesh {
         let natural = kind.natural_nodes();
         let least = natural.iter().map(|xi| xi[1]).fold(f64::INFINITY, f64::min);

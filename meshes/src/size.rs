@@ -1,15 +1,15 @@
-//! Element size from the waves a mesh must carry.
+//! Element size required by the shortest waves in a mesh.
 
 use crate::MeshError;
 
-/// The element edge that gives the slowest wave `elements` elements a wavelength at the top frequency \[m\]:
-/// h = c / (f n).
+/// Element size \[m\] at which the slowest wave has `elements` elements per wavelength at the top frequency: h = c / (f
+/// n).
 ///
-/// `slowest_speed` is usually sqrt(G_min / rho) \[m/s\]; three quadratic elements a wavelength limit the error of a
-/// frequency to below half a percent.
+/// `slowest_speed` is usually sqrt(G_min / rho) \[m/s\]. With three quadratic elements per wavelength, frequencies have
+/// an error below half a percent.
 ///
 /// # Errors
-/// [`MeshError::Dimension`] when an argument is not positive and finite.
+/// [`MeshError::Dimension`] unless every argument is positive and finite.
 pub fn element_size(top_frequency: f64, slowest_speed: f64, elements: f64) -> Result<f64, MeshError> {
     let h = slowest_speed / (top_frequency * elements);
     if h.is_finite() && h > 0.0 && elements > 0.0 && top_frequency > 0.0 {
@@ -22,18 +22,18 @@ pub fn element_size(top_frequency: f64, slowest_speed: f64, elements: f64) -> Re
     }
 }
 
-/// Positions that divide \[from, to\] into equal elements no longer than `size`; without the first position, so that
-/// stretches can be joined.
+/// Positions that divide \[from, to\] into equal elements no longer than `size`. The first position is omitted so that
+/// intervals can be joined.
 ///
 /// # Errors
-/// [`MeshError::Dimension`] when `size` or the stretch is not positive and finite.
+/// [`MeshError::Dimension`] unless `size` and the interval are positive and finite.
 pub fn subdivide(from: f64, to: f64, size: f64) -> Result<Vec<f64>, MeshError> {
     for (what, value) in [("the element size", size), ("a stretch to divide", to - from)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(MeshError::Dimension { what, value });
         }
     }
-    // A stretch that is a multiple of the size up to rounding is not given one element more.
+    // An interval that is a multiple of the size up to rounding must not get an extra element.
     let n = ((to - from) / size * (1.0 - 1e-12)).ceil().max(1.0) as usize;
     Ok((1..=n)
         .map(|i| {

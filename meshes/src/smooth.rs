@@ -1,4 +1,4 @@
-//! Smooth faces of a skin: the faces of a drawing, found again on a mesh.
+//! Smooth faces of a skin: recovers the faces of the original geometry from a mesh.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use crate::locate::project;
 use crate::quality::root;
 use crate::{FaceKind, MeshError, Surface};
 
-/// A smooth face of a skin: faces of elements that meet at edges where the skin hardly turns.
+/// A smooth face of a skin: element faces joined at edges across which the normal changes little.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmoothFace {
     /// Its faces, indices into [`Surface::faces`], ascending.
@@ -17,16 +17,16 @@ pub struct SmoothFace {
     pub area: f64,
     /// Its centroid \[m\].
     pub centroid: Point3<f64>,
-    /// Mean of its outward unit normals over the area: of length 1 for a plane, 0 for a closed cylinder.
+    /// Area-weighted mean of its outward unit normals: of length 1 for a plane, 0 for a closed cylinder.
     pub normal: Vector3<f64>,
 }
 
 impl Surface {
-    /// The smooth faces of the skin: faces of elements are joined at edges where the normals on both sides differ by
-    /// less than `angle` \[rad\]. Normals are those of the curved faces at the middle of the edge.
+    /// Finds the smooth faces of the skin: element faces are joined at edges where the normals on both sides differ by
+    /// less than `angle` \[rad\]. Normals are those of the curved faces at the edge's midpoint.
     ///
     /// # Errors
-    /// [`MeshError::GaussPoints`], never for the kinds of faces there are.
+    /// [`MeshError::GaussPoints`]; does not occur for the existing kinds of faces.
     pub fn smooth_faces(&self, angle: f64) -> Result<Vec<SmoothFace>, MeshError> {
         let mut edges: HashMap<(usize, usize), Vec<EdgeSide>> = HashMap::new();
         for (index, face) in self.faces.iter().enumerate() {
@@ -39,7 +39,7 @@ impl Surface {
         }
         let mut parent: Vec<usize> = (0..self.faces.len()).collect();
         for sides in edges.values() {
-            // Where solids touch along an edge, four faces meet there.
+            // Four faces meet where solids touch along an edge.
             if let &[(a, normal_a), (b, normal_b)] = &sides[..]
                 && normal_a.dot(&normal_b) > angle.cos()
             {
@@ -76,14 +76,14 @@ impl Surface {
         Ok(smooth)
     }
 
-    /// The face nearest to a point among those that are `wanted`, and its distance \[m\].
+    /// The face nearest to a point among those for which `wanted` is true, and its distance \[m\].
     pub fn nearest_face(&self, point: Point3<f64>, wanted: impl Fn(usize) -> bool) -> Option<(usize, f64)> {
         let distance = |index: usize| {
             let face = &self.faces[index];
             let nodes: Vec<Point3<f64>> = face.nodes.iter().map(|&n| self.points[n]).collect();
             let (xi, _) = project(face.kind, &nodes, point);
             let foot = self.point_at(index, clamped(face.kind, xi.into())).position;
-            // Newton's method may end off a far face, whose nodes are then the nearer estimate.
+            // Newton's method may fail for a distant face; the distance to its nodes is then the better estimate.
             let of_nodes = nodes.iter().map(|node| (node - point).norm());
             of_nodes.fold((foot - point).norm(), f64::min)
         };
@@ -93,17 +93,17 @@ impl Surface {
     }
 }
 
-/// A face at an edge, with its normal at the middle of the edge.
+/// A face adjacent to an edge, with its normal at the edge's midpoint.
 type EdgeSide = (usize, Vector3<f64>);
 
-/// Natural coordinates of the middle of an edge, which begins at the corner of its number.
+/// Natural coordinates of the midpoint of an edge, which starts at the corner with the same number.
 fn middle_of_edge(kind: FaceKind, edge: usize) -> [f64; 2] {
     let corners = kind.natural_nodes();
     let (a, b) = (corners[edge], corners[(edge + 1) % kind.corners()]);
     [0, 1].map(|axis| 0.5 * (a[axis] + b[axis]))
 }
 
-/// Natural coordinates taken back onto the face.
+/// Natural coordinates clamped to the face.
 fn clamped(kind: FaceKind, xi: [f64; 2]) -> [f64; 2] {
     if kind.corners() == 4 {
         return xi.map(|v| v.clamp(-1.0, 1.0));
@@ -120,7 +120,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     fn rounded(points: usize) -> Surface {
-        // A strip bent to half a cylinder of radius 1 to 1.2, so that it has curved and flat faces.
+        // A strip bent to half a cylinder with radii 1 and 1.2, so that it has both curved and flat faces.
         let mut mesh = block(&Block {
             size: [1.0, 0.2, 0.5],
             divisions: [points, 1, 2],

@@ -1,5 +1,5 @@
-//! Solid geometries (STEP, IGES, BREP) meshed by gmsh: which solids there are, whether memory suffices, and how long
-//! gmsh may mend curved elements.
+//! Meshes solid geometries (STEP, IGES, BREP) with gmsh: lists the solids, checks the memory required, and limits the
+//! time for repairing curved elements.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -8,74 +8,73 @@ use crate::gmsh::{HighOrderOptimization, Job, Made, made};
 use crate::msh::Imported;
 use crate::{MeshError, POOR};
 
-/// The script of gmsh.
+/// The gmsh script.
 const SCRIPT: &str = include_str!("../geo/solid.geo");
 
-/// Reports of the script with their contents.
+/// Names of the reports written by the script, with their contents.
 const SHEETS: &str = "sheets"; // number of faces of a geometry without a solid
-const SOLIDS: &str = "solids"; // a line a solid: volume [mm3], lower and upper corner of its box [mm]
-const EXTENT: &str = "extent"; // longest side of a geometry that is too long or too short [mm]
-const ELEMENTS: &str = "elements"; // estimated number of elements, where it is too large
+const SOLIDS: &str = "solids"; // one line per solid: volume [mm3], lower and upper corner of its box [mm]
+const EXTENT: &str = "extent"; // longest side of a geometry that is too large or too small [mm]
+const ELEMENTS: &str = "elements"; // estimated number of elements, if too large
 
-/// Longest side of gmsh's tetrahedra over the size asked of it, as found on plates and housings: 1.4 to 1.8.
+/// Ratio of the longest side of gmsh's tetrahedra to the requested size; 1.4 to 1.8 on plates and housings.
 const LONGEST_OVER_TARGET: f64 = 1.5;
 
-/// How far below the longest side allowed another mesh aims.
+/// Factor by which a further attempt aims below the longest side allowed.
 const MARGIN: f64 = 0.97;
 
-/// Meshes made before a geometry is given up.
+/// Number of attempts before a geometry is abandoned.
 const MOST_MESHES: usize = 6;
 
-/// Tetrahedra of gmsh 4.8 in a volume V with the surface A at the target h: 4 V/h^3 + 2.5 A/h^2. For a sphere, a plate
-/// and a tube at 1.5 to 10 mm it is between 0.9 and 1.6 times the number found.
+/// Estimated number of tetrahedra that gmsh 4.8 makes in a volume V with surface area A at target size h: 4 V/h^3 + 2.5
+/// A/h^2. For a sphere, a plate and a tube at 1.5 to 10 mm, it is 0.9 to 1.6 times the actual number.
 const IN_VOLUME: f64 = 4.0;
 const ON_SURFACE: f64 = 2.5;
 
-/// Memory of a quadratic tetrahedron in gmsh (0.9 kB) and in its file and mesh here \[byte\].
+/// Memory per quadratic tetrahedron: in gmsh (0.9 kB), in its file and in the mesh here \[byte\].
 const BYTES: f64 = 1.5e3;
 
-/// Time that gmsh has for the optimisation of curved elements: a start \[s\], and a multiple of the time of the mesh
-/// itself. With 18 solids in 15 mm the mesh takes 2.5 s and its optimisation 185 s, for elements that straight sides
-/// mend as well.
+/// Time limit for the optimisation of curved elements in gmsh: a constant \[s\], and a multiple of the meshing time.
+/// For 18 solids at 15 mm, meshing takes 2.5 s and optimisation 185 s, for elements that straight sides repair as well.
 const OPTIMISATION: [f64; 2] = [10.0, 3.0];
 
-/// Most solids that are listed one by one.
+/// Largest number of solids that a message lists individually.
 const LISTED: usize = 20;
 
-/// Memory that gmsh may use \[byte\], as the bits of a number.
+/// Memory that gmsh may use \[byte\], stored as the bits of an `f64`.
 static MEMORY: AtomicU64 = AtomicU64::new(f64::INFINITY.to_bits());
 
 /// Limits the memory of all meshes that gmsh makes for this process from now on \[GB\]. A geometry that would need more
-/// is refused before it is meshed; the mesh of one that is not refused does not depend on the limit.
+/// is rejected before meshing; the limit does not otherwise affect the mesh.
 pub fn allow_memory(gigabytes: f64) {
     MEMORY.store((1e9 * gigabytes).to_bits(), Ordering::Relaxed);
 }
 
-/// A solid geometry to be meshed.
+/// A solid geometry to mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidGeometry<'a> {
-    /// The file, STEP, IGES or BREP.
+    /// The STEP, IGES or BREP file.
     pub path: &'a Path,
     /// Longest element side \[m\].
     pub size: f64,
-    /// What its longest side along an axis may be \[m\].
+    /// Plausible range of its longest side along an axis \[m\].
     pub expected: [f64; 2],
-    /// Number of the only solid that is meshed, from 1; all without one.
+    /// Number of the one solid to mesh, from 1; none to mesh all.
     pub solid: Option<usize>,
 }
 
 /// A solid of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Solid {
-    /// \[mm3\]
+    /// Volume \[mm3\].
     volume: f64,
-    /// Corners of the box around it \[mm\].
+    /// Corners of its bounding box \[mm\].
     low: [f64; 3],
     high: [f64; 3],
 }
 
 impl Solid {
-    /// A line of the report.
+    /// Parses a line of the report.
     fn parse(line: &str) -> Option<Self> {
         let numbers: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
         match numbers.as_slice() {
@@ -89,7 +88,7 @@ impl Solid {
     }
 }
 
-/// Lists solids: number, volume, sides of the box, centre of the box.
+/// Lists solids with their numbers, volumes, box sides and box centres.
 fn listed(solids: &[Solid]) -> String {
     let mut lines: Vec<String> = solids
         .iter()
@@ -113,17 +112,17 @@ fn listed(solids: &[Solid]) -> String {
 }
 
 impl SolidGeometry<'_> {
-    /// Meshes the geometry with quadratic tetrahedra none of whose sides is longer than asked for.
+    /// Meshes the geometry with quadratic tetrahedra whose sides are no longer than `size`.
     ///
-    /// gmsh takes a size as a target that its longest sides exceed by half. The mesh is measured, and made anew with a
-    /// smaller target as long as a side is too long. All solids become the part `body`, touching ones joined. No
-    /// surface has a name. Elements that curved sides fold are optimised for a limited time; those that are folded then
-    /// get straight sides.
+    /// gmsh treats a size as a target, which its longest sides exceed by half. The mesh is therefore measured and
+    /// remade with a smaller target until no side is too long. All solids become the part `body`; touching solids are
+    /// joined. Surfaces are not named. Elements folded by curved sides are optimised for a limited time; those still
+    /// folded get straight sides.
     ///
     /// # Errors
-    /// Before anything is meshed. [`MeshError::Sheets`] for faces that enclose no solid, [`MeshError::NoSolid`],
-    /// [`MeshError::Extent`] for a longest side that is not expected, [`MeshError::TooFine`] where memory does not
-    /// suffice. [`MeshError::TooLong`], [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`crate::msh::read`].
+    /// Before meshing: [`MeshError::Sheets`] for faces that enclose no solid, [`MeshError::NoSolid`],
+    /// [`MeshError::Extent`] for an implausible longest side, [`MeshError::TooFine`] if memory does not suffice. Then
+    /// [`MeshError::TooLong`], [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`crate::msh::read`].
     pub fn mesh(&self) -> Result<Imported, MeshError> {
         let (mut target, mut longest) = (self.size / LONGEST_OVER_TARGET, f64::INFINITY);
         for _ in 0..MOST_MESHES {
@@ -155,7 +154,7 @@ impl SolidGeometry<'_> {
         self.path.display().to_string()
     }
 
-    /// Runs the script for a target \[m\], for at most some processor time \[s\].
+    /// Runs the script with a target size \[m\] and a limit on processor time \[s\].
     fn made(&self, target: f64, optimization: HighOrderOptimization, seconds: Option<f64>) -> Result<Made, MeshError> {
         let end = self
             .path
@@ -164,7 +163,7 @@ impl SolidGeometry<'_> {
         let name = format!("geometry.{end}");
         let script = SCRIPT.replace("GEOMETRY", &name);
         let memory = f64::from_bits(MEMORY.load(Ordering::Relaxed));
-        // gmsh does not read an infinite number.
+        // gmsh cannot read infinity.
         let finite = |number: f64| number.min(1e22);
         let job = Job {
             what: self.what(),
@@ -185,7 +184,7 @@ impl SolidGeometry<'_> {
         made(&job, optimization)
     }
 
-    /// Why the script made no mesh, from its reports.
+    /// The error that explains, from the script's reports, why no mesh was made.
     fn refusal(&self, target: f64, written: &[(&str, String)], solids: &[Solid]) -> MeshError {
         let number = |wanted: &str| {
             let (_, text) = written.iter().find(|(name, _)| *name == wanted)?;
@@ -221,7 +220,7 @@ impl SolidGeometry<'_> {
         }
     }
 
-    /// Remarks on a file of several solids.
+    /// Remarks on a file with several solids.
     fn notes(&self, solids: &[Solid]) -> Vec<String> {
         let several = solids.len() > 1 && self.solid.is_none();
         several
@@ -239,7 +238,8 @@ impl SolidGeometry<'_> {
             .collect()
     }
 
-    /// Mends elements that curved sides fold: by gmsh's optimisation within a limit \[s\], then by straight sides.
+    /// Repairs elements folded by curved sides: first by gmsh's optimisation within a time limit \[s\], then by
+    /// straightening sides.
     fn optimise(&self, built: &mut Imported, target: f64, limit: f64) -> Result<Vec<String>, MeshError> {
         let folded = poor(built);
         let attempt = self.made(target, HighOrderOptimization::Each, Some(limit / EACH_SHARE));
@@ -268,7 +268,7 @@ impl SolidGeometry<'_> {
     }
 }
 
-/// Share of a limit of processor time that the optimisation of each element has, see [`HighOrderOptimization`].
+/// Fraction of the time limit available to the optimisation of individual elements, see [`HighOrderOptimization`].
 const EACH_SHARE: f64 = crate::gmsh::SHARE_WITHOUT_ANALOGY;
 
 fn solids_of(made: &Made) -> Vec<Solid> {
@@ -280,7 +280,7 @@ fn longest_edge(built: &Imported) -> f64 {
     built.mesh.longest_edges().into_iter().fold(0.0, f64::max)
 }
 
-/// Number of elements that need to be mended.
+/// Number of elements to be repaired.
 fn poor(built: &Imported) -> usize {
     let elements = 0..built.mesh.element_count();
     elements
@@ -338,13 +338,13 @@ mod tests {
         }
     }
 
-    /// 100 mm cubed in sides of 0.025 mm results from a unit of 1 m for a file in mm; the estimate refuses it on any
+    /// A 100 mm cube with sides of 0.025 mm results from reading a file in mm as m; the estimate rejects it on any
     /// machine.
     #[test]
     fn a_mesh_of_a_cube_that_is_a_thousand_times_too_fine_needs_more_memory_than_there_is() {
         let estimate = |h: f64| IN_VOLUME * (100.0 / h).powi(3) + ON_SURFACE * 6.0 * (100.0 / h).powi(2);
         assert!(1e-9 * BYTES * estimate(16.7e-3) > 1e3);
-        // Found with gmsh 4.8.4: 2786 tetrahedra of 10 mm in a sphere of 50 mm.
+        // Measured with gmsh 4.8.4: 2786 tetrahedra of 10 mm in a sphere of 50 mm.
         let sphere = IN_VOLUME * 523.6 + ON_SURFACE * 314.2;
         assert!((sphere / 2786.0 - 1.0).abs() < 0.1, "{sphere}");
     }

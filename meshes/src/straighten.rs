@@ -1,16 +1,16 @@
-//! Moves mid-side nodes that fold an element to the middle of its straight edges.
+//! Straightens edges whose curved mid-side nodes fold an element.
 
 use crate::{Mesh, POOR};
 
 impl Mesh {
-    /// Makes the edges straight of every element whose Jacobians are poor (ratio below [`POOR`]) until none is left
-    /// that straight edges would help; returns the number of edges.
+    /// Straightens the edges of every element with a poor ratio of Jacobians (below [`POOR`]) until straightening helps
+    /// no further element; returns the number of edges straightened.
     ///
-    /// A mesher that bends the sides of an element onto a curved surface may fold it where a wall is thin. A chord
-    /// differs from its arc by l^2/(8 r), some hundredths of a millimetre.
+    /// A mesher that curves an element's sides to follow a surface may fold the element where a wall is thin. A chord
+    /// deviates from its arc by l^2/(8 r), a few hundredths of a millimetre.
     pub fn straighten(&mut self) -> usize {
         let mut straight = 0;
-        // Each pass bends neighbours less; one that still changes an edge is followed by another.
+        // Each pass makes neighbours less curved, so passes are repeated until no edge changes.
         loop {
             let poor: Vec<usize> = (0..self.element_count())
                 .filter(|&element| self.jacobian(element).ratio < POOR)
@@ -23,7 +23,7 @@ impl Mesh {
                     continue;
                 }
                 for (k, &[a, b]) in kind.edges().iter().enumerate() {
-                    // Mid-side nodes follow the corners in the order of the edges.
+                    // Mid-side nodes follow the corners, in the order of the edges.
                     let middle = nalgebra::center(&self.nodes[nodes[a]], &self.nodes[nodes[b]]);
                     let node = &mut self.nodes[nodes[kind.corners() + k]];
                     if *node != middle {

@@ -1,4 +1,4 @@
-//! The skin of a mesh: the faces through which a body touches and radiates.
+//! The skin of a mesh: the faces at which a body makes contact and radiates.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 use crate::points;
 use crate::{FaceKind, FaceNodes, FaceRef, Mesh, MeshError};
 
-/// The outer faces of a mesh, with outward normals, and the volume node behind each of their nodes.
+/// The outer faces of a mesh with outward normals, and the volume node of each surface node.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
     /// Node positions \[m\].
     #[serde(with = "points")]
     pub points: Vec<Point3<f64>>,
-    /// The volume node of each point; nodal vectors of the volume are read at 3 `volume_nodes[i]` + axis.
+    /// The volume node of each point; its components in nodal vectors are at 3 `volume_nodes[i]` + axis.
     pub volume_nodes: Vec<usize>,
     /// The outer faces.
     pub faces: Vec<SurfaceFace>,
-    /// Names of the patches: the mesh's face groups, and `unnamed` if an outer face is in none.
+    /// Names of the patches: the mesh's face groups, and `unnamed` if an outer face belongs to none.
     pub patches: Vec<String>,
 }
 
@@ -28,12 +28,12 @@ pub struct Surface {
 pub struct SurfaceFace {
     /// Its shape.
     pub kind: FaceKind,
-    /// Its nodes, indices into [`Surface::points`]: corners outward by the right-hand rule, then mid-sides,
-    /// then the centre.
+    /// Its nodes, indices into [`Surface::points`], ordered for an outward normal: corners, then mid-side nodes, then
+    /// the centre.
     pub nodes: FaceNodes,
     /// Its patch, an index into [`Surface::patches`].
     pub patch: usize,
-    /// The volume element and its face behind it.
+    /// The face of the volume element behind it.
     pub of: FaceRef,
 }
 
@@ -48,17 +48,18 @@ pub struct QuadraturePoint {
     pub normal: Vector3<f64>,
     /// Area it represents \[m^2\].
     pub weight: f64,
-    /// Values of the face's shape functions here, in the order of [`SurfaceFace::nodes`]; zero beyond its nodes.
+    /// Values of the face's shape functions at the point, in the order of [`SurfaceFace::nodes`]; zero beyond its
+    /// nodes.
     pub shape: [f64; 9],
 }
 
 impl Surface {
-    /// The skin of `mesh`: faces that belong to one element only, in the order of the elements.
+    /// Extracts the skin of `mesh`: the faces that belong to only one element, in the order of the elements.
     pub fn of(mesh: &Mesh) -> Self {
         let every = |visit: &mut dyn FnMut(FaceRef, [usize; 4])| {
             for (element, view) in mesh.elements().enumerate() {
                 for (face, local) in view.kind.faces().iter().enumerate() {
-                    // Triangles leave the last place empty.
+                    // For triangles the last entry remains unused.
                     let mut corners = [usize::MAX; 4];
                     let count = view.kind.face_kind(face).corners();
                     for (corner, &node) in corners.iter_mut().zip(&local[..count]) {
@@ -69,7 +70,7 @@ impl Surface {
                 }
             }
         };
-        // Faces of two elements are adjacent once sorted.
+        // After sorting, a face shared by two elements appears in adjacent entries.
         let mut all = Vec::new();
         every(&mut |_, corners| all.push((corners, all.len())));
         let mut is_outer = vec![false; all.len()];
@@ -121,10 +122,10 @@ impl Surface {
         surface
     }
 
-    /// Index of the patch of this name.
+    /// Index of a patch by name.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`] with the names there are.
+    /// [`MeshError::UnknownGroup`], with the available names.
     pub fn patch(&self, name: &str) -> Result<usize, MeshError> {
         self.patches
             .iter()
@@ -135,13 +136,13 @@ impl Surface {
             })
     }
 
-    /// The rule of degree 2n - 1 on every face, face by face: n x n Gauss points on quadrilaterals, see
+    /// Quadrature points of degree 2n - 1 on every face in turn: n x n Gauss points on quadrilaterals; see
     /// [`FaceKind::rule`] for triangles.
     ///
-    /// The normal is t_1 x t_2 / |t_1 x t_2| with the tangents t = dx/dxi, and the weight w_i w_j |t_1 x t_2|.
+    /// With the tangents t = dx/dxi, the normal is t_1 x t_2 / |t_1 x t_2| and the weight w_i w_j |t_1 x t_2|.
     ///
     /// # Errors
-    /// [`MeshError::GaussPoints`] unless 1 <= n <= 9, without triangles 10.
+    /// [`MeshError::GaussPoints`] unless 1 <= n <= 9 (10 without triangles).
     pub fn quadrature(&self, n: usize) -> Result<Vec<QuadraturePoint>, MeshError> {
         let mut rules = BTreeMap::new();
         let mut points = Vec::with_capacity(self.faces.len() * n * n);
@@ -159,7 +160,7 @@ impl Surface {
         Ok(points)
     }
 
-    /// The point of a face at natural coordinates `xi`; its weight is only the area factor |t_1 x t_2|.
+    /// The point of a face at natural coordinates `xi`; its weight is just the area factor |t_1 x t_2|.
     pub fn point_at(&self, face: usize, xi: [f64; 2]) -> QuadraturePoint {
         let f = &self.faces[face];
         let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
@@ -208,14 +209,14 @@ impl Surface {
         (area > 0.0).then(|| Point3::from(moment / area))
     }
 
-    /// The volume inside by the divergence theorem, V = 1/3 closed integral of x . n dS \[m^3\]; meaningful when the
-    /// surface [is closed](Self::open_edges) and negative when its faces point inwards.
+    /// The enclosed volume by the divergence theorem, V = 1/3 closed integral of x . n dS \[m^3\]. It is meaningful if
+    /// the surface [is closed](Self::open_edges), and negative if the faces point inwards.
     pub fn volume(&self) -> f64 {
         self.fold(|point| point.position.coords.dot(&point.normal) * point.weight / 3.0)
     }
 
-    /// Number of edges that are not shared by faces in pairs of opposite direction: 0 for a closed, consistently
-    /// oriented surface.
+    /// Number of edges that do not join two faces of consistent orientation: 0 for a closed, consistently oriented
+    /// surface.
     pub fn open_edges(&self) -> usize {
         let mut balance: HashMap<(usize, usize), i32> = HashMap::new();
         for face in &self.faces {
@@ -229,7 +230,7 @@ impl Surface {
     }
 
     fn fold(&self, value: impl Fn(&QuadraturePoint) -> f64) -> f64 {
-        // Three points a direction integrate the Jacobian of a plane quadratic face exactly.
+        // Three points per direction integrate the Jacobian of a plane quadratic face exactly.
         self.quadrature(3)
             .map_or(f64::NAN, |points| points.iter().map(value).sum())
     }

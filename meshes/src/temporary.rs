@@ -1,8 +1,8 @@
-//! Temporary folders that belong to a living process.
+//! Temporary folders that are removed when their process ends.
 //!
-//! The owner of a folder locks a file in it. The system releases this lock when the process ends, however it ends.
-//! Whoever obtains the lock may therefore remove the folder: the next process removes the remains of a killed one at
-//! once, also on a file system that several machines share.
+//! The owner of a folder locks a file in it. The system releases the lock when the process ends, for whatever reason.
+//! Any process that obtains the lock may therefore remove the folder. The next process thus removes the folders of
+//! killed ones at once, even on a file system shared by several machines.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
@@ -13,10 +13,11 @@ use std::time::Duration;
 /// The locked file in a folder.
 const LOCK: &str = "in-use";
 
-/// Age of an abandoned folder on a file system without locks.
+/// Age from which a folder counts as abandoned on a file system without locks.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
-/// Removals of a folder tried, the pause between them, and how often in a row it must be found gone.
+/// Number of attempts to remove a folder, the pause between them, and the number of consecutive checks that must find
+/// it gone.
 const ATTEMPTS: usize = 400;
 const PAUSE: Duration = Duration::from_millis(5);
 const QUIET: usize = 3;
@@ -28,23 +29,23 @@ static OWN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 #[derive(Debug)]
 pub struct TemporaryFolder {
     path: PathBuf,
-    /// Held as long as the folder is in use.
+    /// Locked as long as the folder is in use.
     lock: Option<File>,
 }
 
 impl TemporaryFolder {
-    /// Creates a folder under `parent` whose name begins with `prefix`, and removes those that ended processes left
-    /// there.
+    /// Creates a folder under `parent` whose name begins with `prefix`, and removes similar folders left by ended
+    /// processes.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn new(parent: &Path, prefix: &str) -> io::Result<Self> {
         sweep(parent, prefix);
         let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
         for number in 0..u32::MAX {
             let path = parent.join(format!("{prefix}{}-{number}", std::process::id()));
             match fs::create_dir(&path) {
-                // Another thread, a process on another machine, or somebody else.
+                // The name is taken by another thread, a process on another machine, or another program.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
                 created => created?,
             }
@@ -56,7 +57,7 @@ impl TemporaryFolder {
                 }
                 Ok(None) => {}
                 Err(error) => {
-                    let _ = fs::remove_dir_all(&path); // the first error is the one to report
+                    let _ = fs::remove_dir_all(&path); // the first error is the one reported
                     return Err(error);
                 }
             }
@@ -64,12 +65,12 @@ impl TemporaryFolder {
         Err(ErrorKind::AlreadyExists.into())
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Leaves the folder and its contents for the user; returns its path. Without its lock no process takes it for
+    /// Leaves the folder and its contents to the user; returns its path. Without the lock file, no process considers it
     /// abandoned.
     pub fn leave(mut self) -> PathBuf {
         self.lock = None;
@@ -83,10 +84,10 @@ impl TemporaryFolder {
 
 impl Drop for TemporaryFolder {
     fn drop(&mut self) {
-        // Some systems remove no open file. The remains of the folder do no harm; a later process removes them.
+        // Some systems cannot remove an open file. Remains of the folder are harmless; a later process removes them.
         self.lock = None;
         if self.path.as_os_str().is_empty() {
-            return; // it was left
+            return; // left to the user
         }
         let _ = fs::remove_dir_all(&self.path);
         let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -94,7 +95,7 @@ impl Drop for TemporaryFolder {
     }
 }
 
-/// Locks a new folder; none if another process removed it before it was locked.
+/// Locks a new folder; none if another process removed it first.
 fn occupy(folder: &Path) -> io::Result<Option<File>> {
     let path = folder.join(LOCK);
     let file = match File::create(&path) {
@@ -103,12 +104,12 @@ fn occupy(folder: &Path) -> io::Result<Option<File>> {
     };
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Ok(None),
-        // Without locks the age of the folder decides.
+        // On a file system without locks, the age of the folder decides.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(path.exists().then_some(file)),
     }
 }
 
-/// Removes the folders of ended processes under `parent` whose names begin with `prefix`.
+/// Removes folders of ended processes under `parent` whose names begin with `prefix`.
 pub fn sweep(parent: &Path, prefix: &str) {
     for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
         let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
@@ -118,12 +119,12 @@ pub fn sweep(parent: &Path, prefix: &str) {
     }
 }
 
-/// Removes a folder that nobody uses. What cannot be removed is left for a later process.
+/// Removes a folder that nobody uses. Whatever cannot be removed is left to a later process.
 fn remove_abandoned(folder: &Path) {
     let lock = match File::options().read(true).write(true).open(folder.join(LOCK)) {
         Ok(lock) => lock,
         Err(error) => {
-            // A process that ended before it created the file left an empty folder; any other is not one of ours.
+            // A process that ended before it created the lock file left an empty folder; any other folder is not ours.
             if error.kind() == ErrorKind::NotFound {
                 let _ = fs::remove_dir(folder);
             }
@@ -143,11 +144,11 @@ fn remove_abandoned(folder: &Path) {
     }
 }
 
-/// Removes all folders of this process, which is about to end. No folder can be created while the guard lives.
+/// Removes all folders of this process before it ends. No folder can be created while the guard exists.
 pub fn remove_all() -> MutexGuard<'static, Vec<PathBuf>> {
     let own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
     for folder in own.iter() {
-        // Other threads may write into it until the process ends: again until nothing comes any more.
+        // Other threads may still write to the folder, so removal is repeated until it stays gone.
         let mut gone = 0;
         for _ in 0..ATTEMPTS {
             let _ = fs::remove_dir_all(folder);
@@ -191,7 +192,7 @@ mod tests {
     fn a_folder_without_its_owner_is_removed_at_once() -> io::Result<()> {
         let parent = parent("abandoned");
         let owned = TemporaryFolder::new(&parent, "work-")?;
-        // The remains of a killed process: the file, without a lock on it.
+        // Remains of a killed process: the lock file without a lock.
         let left = parent.join("work-1-0");
         fs::create_dir(&left)?;
         fs::write(left.join(LOCK), "")?;

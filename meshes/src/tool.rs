@@ -1,4 +1,4 @@
-//! The tool body: a parametric geometry that gmsh meshes, with the meshes of the ready designs on board.
+//! The tool body: a parametric geometry meshed by gmsh; meshes of the shipped designs are embedded.
 
 use std::f64::consts::TAU;
 use std::io::Read;
@@ -15,10 +15,10 @@ use crate::msh::{self, Imported};
 /// The script of the geometry; its constants are the fields of [`Tool`] in millimetres.
 const SCRIPT: &str = include_str!("../geo/tool.geo");
 
-/// Meshes that ship. Their first words state their dimensions; `data/make.sh` writes them.
+/// Embedded meshes. Their comment states the dimensions; `data/make.sh` writes them.
 const SHIPPED: [&[u8]; 1] = [include_bytes!("../data/tool-n80cb.msh.gz")];
 
-/// Length of the beginning of a shipped mesh that contains its comment \[byte\].
+/// Length of the initial part of an embedded mesh that contains its comment \[byte\].
 const BEGINNING: u64 = 4096;
 
 group! {
@@ -81,7 +81,7 @@ group! {
 }
 
 group! {
-    /// The tool body as it is meshed.
+    /// The tool body to mesh.
     Tool {
         ..dimensions: ToolDimensions;
         /// Inner radius of the sleeve.
@@ -92,15 +92,15 @@ group! {
 }
 
 impl ToolDimensions {
-    /// Outer radius of the barrel around a sleeve of an inner radius \[m\].
+    /// Outer radius of the barrel, given the sleeve's inner radius \[m\].
     pub fn barrel_radius(&self, sleeve_radius: f64) -> f64 {
         sleeve_radius + self.sleeve_wall + self.sleeve_gap + self.barrel_wall
     }
 }
 
 impl Tool {
-    /// Name and value \[m\] of every constant of the geometry's script: the radius of the barrel, then the dimensions
-    /// but for the gap that it follows from.
+    /// Names and values \[m\] of the constants of the geometry script: the radius of the barrel, then all dimensions
+    /// except the gap, which the radius already includes.
     pub fn dimensions(&self) -> Vec<(&'static str, f64)> {
         let mut dimensions = vec![("barrel_radius", self.barrel_radius(self.sleeve_radius))];
         self.visit("", &mut |_, spec, value| match value {
@@ -110,7 +110,7 @@ impl Tool {
         dimensions
     }
 
-    /// All dimensions in one line of text, to a nanometre: what a mesh was made for.
+    /// All dimensions to a nanometre in one line, which identifies the geometry of a mesh.
     pub fn signature(&self) -> String {
         let mut words = vec!["tool".to_owned()];
         words.extend(
@@ -122,12 +122,12 @@ impl Tool {
     }
 }
 
-/// Whether the mesh of a tool body ships, so that no gmsh is needed.
+/// Whether the mesh of a tool body is embedded, so that gmsh is not needed.
 pub fn tool_ships(spec: &Tool) -> bool {
     shipped(spec).is_some()
 }
 
-/// The mesh that ships for a tool body. Only its beginning is read, because studies need it for each of their designs.
+/// The embedded mesh of a tool body. Only its beginning is decompressed, because studies call this for every design.
 fn shipped(spec: &Tool) -> Option<&'static [u8]> {
     let signature = spec.signature();
     SHIPPED.into_iter().find(|bytes| {
@@ -139,10 +139,10 @@ fn shipped(spec: &Tool) -> Option<&'static [u8]> {
 }
 
 impl Tool {
-    /// Processor time that gmsh may take with the elastic analogy \[s\]: 20 s, and 38 ms for each square of an
-    /// element's side on the walls, about five times the time of the shipped dimensions (4 to 9 s). Without it they
-    /// take 1.4 to 1.9 s, and gmsh has a third of this time. Dimensions that fold the body into itself can occupy gmsh
-    /// without end.
+    /// Limit on gmsh's processor time with the elastic analogy \[s\]: 20 s plus 38 ms per element-sized square of wall
+    /// area, about five times the time for the shipped dimensions (4 to 9 s). Without the analogy these take 1.4 to 1.9
+    /// s, and gmsh has a third of the time. Dimensions with which the body intersects itself can keep gmsh busy
+    /// forever.
     fn seconds(&self) -> f64 {
         let barrel = self.barrel_radius(self.sleeve_radius);
         let tubes = [
@@ -157,13 +157,13 @@ impl Tool {
     }
 }
 
-/// The mesh of a tool body of quadratic tetrahedra, with parts `housing`, `nose` and `sleeve`. The face groups are
+/// Meshes a tool body with quadratic tetrahedra; the parts are `housing`, `nose` and `sleeve`. The face groups are
 /// `nose_tip`, `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum`
-/// (within the cap) and `sleeve_outside`. `fit_slave` (the sleeve's upper end) is to be tied to `fit_master` (the
-/// barrel's inner side; `barrel_inside` for a free sleeve). The mesh is symmetric about y = 0, as the body is: gmsh
-/// meshes the half above, and the other is its image.
+/// (within the cap) and `sleeve_outside`. `fit_slave` (the sleeve's upper end) must be tied to `fit_master` (the
+/// barrel's inner surface; `barrel_inside` for a free sleeve). Like the body, the mesh is symmetric about y = 0: gmsh
+/// meshes the half at y >= 0, and the other half is its mirror image.
 ///
-/// A mesh that ships is taken where it was made for these dimensions and `anew` is not asked for; gmsh makes any other.
+/// The embedded mesh is used if it was made for these dimensions, unless `anew` is set; otherwise gmsh makes the mesh.
 ///
 /// # Errors
 /// [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`msh::read`].

@@ -1,18 +1,18 @@
-//! The steel worktable: a plate on hollow legs, meshed separately, to be tied.
+//! The steel worktable: a plate on hollow legs, meshed separately and then tied.
 
 use crate::worktable::{checked, legs, lines};
 use crate::{Grid, Mesh, MeshError, Worktable, subdivide};
 
-/// Meshes a worktable on square tubes of this `wall` \[m\], one element through the wall and no longer than
-/// `leg_element_size` along and across it, open below and at the plate.
+/// Meshes a worktable with legs of square tube of the given `wall` \[m\]. There is one element through the wall,
+/// elements are no longer than `leg_element_size` along and across it, and the tubes are open at both ends.
 ///
-/// Plate and legs share no nodes: the legs' upper ends, the group `weld_slave`, are to be tied to the plate's
-/// underside, `weld_master`, so that no wall draws its lines across the plate. The plate's own lines run along the
-/// legs' outlines: without them the first plate mode comes out 2 % higher. Parts `top` and `leg`; the other groups are
-/// `top`, `sides`, `leg_sides` (inside too) and `floor`.
+/// Plate and legs share no nodes, so that the mesh lines of the walls do not extend across the plate; the legs' upper
+/// ends, group `weld_slave`, must be tied to the plate's underside, `weld_master`. The plate's mesh lines follow the
+/// legs' outlines; otherwise the first plate mode is 2 % too high. The parts are `top` and `leg`; the other groups are
+/// `top`, `sides`, `leg_sides` (including the inside) and `floor`.
 ///
 /// # Errors
-/// As [`worktable`](crate::worktable()), and [`MeshError::DoesNotFit`] when two walls fill a leg.
+/// Same as [`worktable`](crate::worktable()); also [`MeshError::DoesNotFit`] if two walls fill a leg.
 pub fn tube_worktable(spec: &Worktable, wall: f64) -> Result<Mesh, MeshError> {
     checked(spec)?;
     if !(wall.is_finite() && wall > 0.0) {

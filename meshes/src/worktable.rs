@@ -2,7 +2,7 @@
 
 use crate::{Grid, Mesh, MeshError, subdivide};
 
-/// A worktable as one conforming solid; the legs are flush with the corners of the top.
+/// A worktable as a single conforming solid; the legs are flush with the corners of the top.
 ///
 /// The axes x and y run along the edges of the top, z up from the floor.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -13,26 +13,25 @@ pub struct Worktable {
     pub thickness: f64,
     /// Width of the legs along x and y \[m\].
     pub leg: [f64; 2],
-    /// Height of the upper side of the top above the floor \[m\].
+    /// Height of the table's upper surface above the floor \[m\].
     pub height: f64,
     /// Largest element edge along x and y \[m\].
     pub element_size: f64,
-    /// Largest element edge along the legs \[m\]; waves along a leg's grain are faster, so it may be longer.
+    /// Largest element edge along the legs \[m\]; it may be longer because waves are faster along a leg's grain.
     pub leg_element_size: f64,
-    /// Elements through the thickness of the top.
+    /// Number of elements through the thickness of the top.
     pub top_layers: usize,
-    /// Corner of the table on the floor with the smallest coordinates \[m\].
+    /// Corner of the table's footprint with the smallest coordinates \[m\].
     pub origin: [f64; 3],
 }
 
-/// Meshes a worktable with 20-node hexahedra; grid lines run along the legs' edges through the top.
+/// Meshes a worktable with 20-node hexahedra; the legs' outlines continue as grid lines through the top.
 ///
-/// Parts `top` and `leg`; face groups `top` (upper side), `underside`, `sides` (of the top), `leg_sides` and `floor`
-/// (feet).
+/// The parts are `top` and `leg`; the face groups are `top` (upper side), `underside`, `sides` (of the top),
+/// `leg_sides` and `floor` (feet).
 ///
 /// # Errors
-/// [`MeshError::Dimension`], [`MeshError::NoElements`], or [`MeshError::DoesNotFit`] when legs overlap or are no longer
-/// than nothing.
+/// [`MeshError::Dimension`], [`MeshError::NoElements`], or [`MeshError::DoesNotFit`] if legs overlap or have no length.
 pub fn worktable(spec: &Worktable) -> Result<Mesh, MeshError> {
     checked(spec)?;
     let ([floor, underside], top) = (legs(spec), spec.origin[2] + spec.height);
@@ -63,7 +62,7 @@ pub fn worktable(spec: &Worktable) -> Result<Mesh, MeshError> {
     }))
 }
 
-/// Grid lines through the top along an axis, with the legs' outlines among them \[m\].
+/// Grid lines through the top along an axis, including the legs' outlines \[m\].
 pub(crate) fn lines(spec: &Worktable, axis: usize) -> Result<Vec<f64>, MeshError> {
     let (o, a, l) = (spec.origin[axis], spec.leg[axis], spec.top[axis]);
     let mut line = vec![o];
@@ -78,7 +77,7 @@ pub(crate) fn legs(spec: &Worktable) -> [f64; 2] {
     [spec.origin[2], spec.origin[2] + spec.height - spec.thickness]
 }
 
-/// Refuses dimensions that make no table.
+/// Rejects dimensions that do not make a table.
 pub(crate) fn checked(spec: &Worktable) -> Result<(), MeshError> {
     let lengths = [
         ("the top's length along x", spec.top[0]),

@@ -1,13 +1,13 @@
-//! Numbers the model is evaluated with: `f64`, and `f64` with exact derivatives.
+//! Number types for model evaluation: `f64`, and `f64` with exact derivatives.
 //!
-//! The right-hand side is written once over [`Real`]. With [`Dual`] it yields its Jacobian to round-off in one
-//! evaluation (forward-mode automatic differentiation; Griewank and Walther, Evaluating Derivatives, 2008, ch. 3). The
-//! Newton matrix therefore has exactly the linear invariants of the model and Newton steps conserve mass and energy to
+//! The right-hand side is generic over [`Real`]. With [`Dual`], one evaluation also yields the Jacobian to round-off by
+//! forward-mode automatic differentiation (Griewank and Walther, Evaluating Derivatives, 2008, ch. 3). The Newton
+//! matrix therefore has exactly the linear invariants of the model, and Newton steps conserve mass and energy to
 //! round-off.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Arithmetic the model needs.
+/// Arithmetic required by the model.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -18,7 +18,7 @@ pub trait Real:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// Whether the number carries derivatives.
+    /// Whether the type carries derivatives.
     const DIFFERENTIATED: bool;
 
     /// A number that does not depend on the state.
@@ -27,7 +27,7 @@ pub trait Real:
     /// The number without its derivatives.
     fn value(self) -> f64;
 
-    /// f(self), from f and f' at its value.
+    /// f(self), given f and f' at its value.
     fn chain(self, f: f64, derivative: f64) -> Self;
 
     /// 1/self.
@@ -45,7 +45,7 @@ pub trait Real:
         self.chain(r, -0.5 * r / x)
     }
 
-    /// Polynomial sum c_i self^i.
+    /// Evaluates the polynomial sum c_i self^i.
     #[inline]
     fn polynomial(self, coefficients: &[f64]) -> Self {
         let x = self.value();
@@ -77,10 +77,10 @@ impl Real for f64 {
     }
 }
 
-/// A number with its derivatives along `N` directions.
+/// A value with its derivatives along `N` directions.
 #[derive(Debug, Clone, Copy)]
 pub struct Dual<const N: usize> {
-    /// The number.
+    /// The value.
     pub value: f64,
     /// Its derivatives.
     pub slope: [f64; N],

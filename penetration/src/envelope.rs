@@ -1,48 +1,50 @@
 //! Resistance of the wood to a nail as a function of its deepest penetration.
 
 use super::dual::Real;
+use super::rate::HeadContact;
 use super::resistance::{Driven, Resistance};
 
-/// Envelope E(z) of the penetration resistance of one design, z the deepest depth of the nail's tip.
+/// Envelope E(z) of the penetration resistance of one design, where z is the deepest position of the nail's tip.
 ///
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
+/// where the head does not yield ([`HeadContact`]),
 /// with F_r the design's law times its scale, a published one at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). In the
 /// published form of the nail F_r is lost where the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
 #[derive(Debug, Clone)]
 pub struct Envelope {
     law: Resistance,
     length: f64,
-    head_stiffness: f64,
+    head: HeadContact,
     /// Whether the force along the shank stays beyond l_n.
     seated: bool,
-    /// Speed of impact where none is known \[m/s\].
+    /// Assumed impact speed if none is known \[m/s\].
     usual_impact: f64,
 }
 
 impl Envelope {
     /// The envelope of a fastener. `seated`: the force along the shank stays where the head meets the wood, unlike in
-    /// the published form of the nail.
-    pub fn new(driven: &Driven<'_>, seated: bool) -> Self {
+    /// the published form of the nail. The head has a diameter \[m\].
+    pub fn new(driven: &Driven<'_>, head_diameter: f64, seated: bool) -> Self {
         let law = Resistance::new(driven);
         Self {
             seated,
             usual_impact: law.fitted().map_or(0.0, |fitted| fitted.usual_impact()),
             law,
             length: driven.specimen.length,
-            head_stiffness: driven.wood.head_stiffness_scale * driven.wood.hardness_modulus,
+            head: HeadContact::new(driven.wood, head_diameter),
         }
     }
 
-    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface. A law that depends on the speed
-    /// is evaluated at rest, after an impact in the middle of its data.
+    /// Shank and tip contribution to E(z) \[N\]; zero at or above the surface. A speed-dependent law is evaluated at
+    /// rest, after an impact at the middle of its data range.
     #[inline]
     pub fn shank(&self, depth: f64) -> f64 {
         self.shank_after(depth, self.usual_impact)
     }
 
-    /// The same after an impact at `impact` \[m/s\].
+    /// Same as `shank`, after an impact at `impact` \[m/s\].
     fn shank_after(&self, depth: f64, impact: f64) -> f64 {
         if depth > self.length {
             self.seated(0.0, impact)
@@ -51,10 +53,10 @@ impl Envelope {
         }
     }
 
-    /// Part of E(z) under the nail's head \[N\]; zero until the head meets the wood.
+    /// Head contribution to E(z) \[N\]; zero until the head meets the wood.
     #[inline]
     pub fn head(&self, depth: f64) -> f64 {
-        self.head_stiffness * (depth - self.length).max(0.0)
+        self.head.evaluate((depth - self.length).max(0.0))
     }
 
     /// E(z) \[N\].
@@ -63,27 +65,38 @@ impl Envelope {
         self.shank(depth) + self.head(depth)
     }
 
+    /// Friction along the shank, force of the tip and force under the head \[N\] at the nail's speed `v` \[m/s\] in the
+    /// wood; zero at or above the surface.
+    pub fn parts(&self, depth: f64, v: f64, impact: f64) -> [f64; 3] {
+        if depth <= 0.0 || (depth > self.length && !self.seated) {
+            return [0.0, 0.0, self.head(depth)];
+        }
+        let [friction, tip] = self.law.parts(depth.min(self.length), v, impact);
+        [friction, tip, self.head(depth)]
+    }
+
     /// E(z) of a nail at rest after an impact at `impact` \[m/s\]: where unloading begins \[N\].
     pub fn at_rest(&self, depth: f64, impact: f64) -> f64 {
         self.shank_after(depth, impact) + self.head(depth)
     }
 
-    /// Speed of impact where none is known \[m/s\].
+    /// Assumed impact speed if none is known \[m/s\].
     pub fn usual_impact(&self) -> f64 {
         self.usual_impact
     }
 
-    /// The law F_r as it is evaluated within the nail's length.
+    /// The law F_r used within the nail's length.
     pub fn law(&self) -> &Resistance {
         &self.law
     }
 
-    /// k_w \[N/m\].
-    pub fn head_stiffness(&self) -> f64 {
-        self.head_stiffness
+    /// The force under the head where the tip's depth is beyond l_n, with its derivatives.
+    #[inline]
+    pub fn head_at<S: Real>(&self, depth: S) -> S {
+        self.head.evaluate(depth + -self.length)
     }
 
-    /// Force along the shank beyond l_n \[N\].
+    /// Shank force beyond l_n \[N\].
     #[inline]
     pub fn seated<S: Real>(&self, v: S, impact: f64) -> S {
         if self.seated {

@@ -1,4 +1,4 @@
-//! Where the published laws end.
+//! Limits of the published laws.
 
 use thiserror::Error;
 
@@ -12,7 +12,7 @@ pub enum RangeError {
          (Eq. 2.2); use REFERENCE_SPEED for a dynamic run"
     )]
     PenetrationSpeed {
-        /// Speed asked for \[m/s\].
+        /// Requested speed \[m/s\].
         speed: f64,
         /// Lowest speed \[m/s\].
         lowest: f64,
@@ -22,7 +22,7 @@ pub enum RangeError {
     /// A depth beyond the nail's length.
     #[error("depth {depth} m is beyond the nail's length {length} m, where the penetration law ends")]
     PenetrationDepth {
-        /// Depth asked for \[m\].
+        /// Requested depth \[m\].
         depth: f64,
         /// Nail length \[m\].
         length: f64,

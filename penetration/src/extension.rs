@@ -1,29 +1,31 @@
-//! Fasteners outside the sizes that were tested: a share of the force goes with the perimeter, the rest with the area.
+//! Extends the laws to fasteners outside the tested sizes: one share of the force scales with the shank's perimeter,
+//! the rest with its area.
 //!
-//! The published laws depend on the diameter only through the ratio D/NL, because every tested length had one diameter
-//! (Nili Ahmadabadi 2016: from 2.0 mm with 32 mm to 4.1 mm with 89 mm). For a slender nail they extrapolate this
-//! correlation of the test programme: a 64 x 1.6 mm nail would need more force than a 64 x 3.3 mm one. Outside the
-//! tested sizes the force is therefore that of the nearest tested one, of diameter D* and length NL*. Its split is that
-//! of second drives into the same hole (sec. 2.4.3); it is scaled by r = D/D*.
+//! The published laws depend on the diameter only through the ratio D/NL, because each length was tested with one
+//! diameter (Nili Ahmadabadi 2016: from 2.0 mm with 32 mm to 4.1 mm with 89 mm). For a slender nail they extrapolate
+//! this correlation between the test parameters: a 64 x 1.6 mm nail would need more force than a 64 x 3.3 mm one.
+//! Outside the tested sizes, the force is therefore that of the nearest tested size, of diameter D* and length NL*,
+//! scaled by r = D/D*. It is split as measured in second drives into the same hole (sec. 2.4.3):
 //!
 //! ```text
 //! F(y) = r S(y) + r^2 (F*(y) - S(y)),    S(y) = min(phi F*(NL*) y/NL*, F*(y))       y <= NL*
 //! F(y) = r phi F*(NL*) y/NL* + r^2 (1 - phi) F*(NL*)                                 y > NL*
 //! ```
-//! S is friction along the shank, which grows with the perimeter and the depth; the rest deforms and splits the fibres
-//! over the section of the shank. F is continuous in D, NL and y, and is F* at the edge of the tested sizes, which
-//! are the diameters 2.03 to 4.06 mm with lengths within [`LENGTH_FACTOR`] of the line through the tested ones. The
-//! share phi is `wood.friction_share`; 1 and 0 are the limiting laws, all perimeter and all area.
+//! S is friction along the shank, which scales with perimeter and depth; the rest deforms and splits the fibres over
+//! the shank's cross-section. F is continuous in D, NL and y, and equals F* at the boundary of the tested sizes. These
+//! are the diameters 2.03 to 4.06 mm with lengths within a factor of [`LENGTH_FACTOR`] of the line through the tested
+//! ones. The share phi is `wood.friction_share`; its limits 1 and 0 mean scaling with the perimeter only and with the
+//! area only.
 
 use super::law::Curve;
 use super::{ForceTable, NAILS, Specimen};
 
-/// Intervals of the table over the nail's length; the error of the cubic between its points is below 2e-4 of the force
-/// and, next to the surface, 0.05 N.
+/// Number of table intervals over the nail's length. The error of the cubic between points is below 2e-4 of the force
+/// and, next to the surface, below 0.05 N.
 const INTERVALS: u32 = 400;
 
-/// How far a length may be from the line through the tested sizes, as a factor. The tested nails lie within it, those
-/// with helical shanks at its end.
+/// Largest factor between a length and the line through the tested sizes. All tested nails lie within it, those with
+/// helical shanks at its limit.
 pub const LENGTH_FACTOR: f64 = 1.25;
 
 /// Diameters of the tested nails with the mean length tested with each, thinnest first \[m\].
@@ -39,7 +41,7 @@ fn tested_sizes() -> Vec<[f64; 2]> {
     sizes
 }
 
-/// Length of the line through the tested sizes at a diameter, which is brought into the tested ones \[m\].
+/// Length \[m\] on the line through the tested sizes at a diameter, which is clamped to the tested range.
 fn tested_length(diameter: f64) -> f64 {
     let sizes = tested_sizes();
     let above = sizes.partition_point(|[d, _]| *d < diameter).clamp(1, sizes.len() - 1);
@@ -65,9 +67,9 @@ impl Specimen {
     }
 }
 
-/// Force over depth of a nail outside the tested sizes, from the law of the nearest tested one.
+/// Force over depth of a nail outside the tested sizes, derived from the law of the nearest tested one.
 ///
-/// `friction_share` is phi, the friction along the shank as a share of the force at full depth.
+/// `friction_share` is phi, friction along the shank as a fraction of the force at full depth.
 pub(crate) fn extended(tested: &Curve, size: &Specimen, nail: &Specimen, friction_share: f64) -> Option<ForceTable> {
     let ratio = nail.diameter / size.diameter;
     let full = tested.force(size.length);
@@ -76,7 +78,7 @@ pub(crate) fn extended(tested: &Curve, size: &Specimen, nail: &Specimen, frictio
         if depth > size.length {
             return ratio * friction + ratio * ratio * (1.0 - friction_share) * full;
         }
-        // The law has a step at the surface: the first point lies just below it.
+        // The law is discontinuous at the surface, so the first point lies just below it.
         let whole = tested.force(depth.max(1e-9 * size.length));
         let friction = friction.min(whole);
         ratio * friction + ratio * ratio * (whole - friction)

@@ -35,7 +35,7 @@ choice! {
     }
 }
 
-/// A nail in a wood: the inputs of the laws besides depth and speed.
+/// A nail in a wood: the inputs of the laws other than depth and speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Specimen {
@@ -57,7 +57,7 @@ impl PenetrationLaw {
     /// [`RangeError::PenetrationSpeed`] outside the quasi-static range of the laws, 3.33e-4 to 8.4e-3 m/s, and
     /// [`RangeError::PenetrationDepth`] beyond the nail's length.
     pub fn force(self, specimen: &Specimen, depth: f64, speed: f64) -> Result<f64, RangeError> {
-        // The bounds are given to three digits in the source, so 20 mm/min itself must pass.
+        // The source gives the bounds to three digits, so exactly 20 mm/min must pass.
         if !(LOWEST_SPEED * (1.0 - 1e-12)..=HIGHEST_SPEED).contains(&speed) {
             return Err(RangeError::PenetrationSpeed {
                 speed,
@@ -103,12 +103,12 @@ impl Curve {
         }
     }
 
-    /// scale max(0, root(y/NL))^2 from its coefficients, the nail's length \[m\] and the scale \[N\].
+    /// Creates scale max(0, root(y/NL))^2 from the coefficients, the nail's length \[m\] and the scale \[N\].
     pub fn of(root: [f64; 8], length: f64, scale: f64) -> Self {
         Self { root, length, scale }
     }
 
-    /// Force at `z` with its derivative, continued smoothly above the surface.
+    /// Force at `z` with its derivative, smoothly continued above the surface.
     #[inline]
     pub fn evaluate<S: Real>(&self, z: S) -> S {
         let root = (z * (1.0 / self.length)).polynomial(&self.root);
@@ -119,7 +119,7 @@ impl Curve {
         }
     }
 
-    /// Force at `depth`, 0 above the surface \[N\].
+    /// Force at `depth` \[N\], 0 above the surface.
     #[inline]
     pub fn force(&self, depth: f64) -> f64 {
         if depth <= 0.0 {

@@ -1,34 +1,34 @@
-//! Penetration laws for one nail: force, work and the uncertainty of the fit over depth.
+//! Penetration laws for one nail: force, work and uncertainty of the fit as functions of depth.
 //!
 //! ```text
 //! F_r = H_M NL max(0, root(x))^2,  x = y/NL        W(y) = integral of F_r from 0 to y
 //! ```
-//! Nili Ahmadabadi (2016), Eq. 2.2 and 4.59. The standard error of the estimate SEE belongs to the root, so that F_r
-//! lies between H_M NL (root - SEE)^2 and H_M NL (root + SEE)^2.
+//! Nili Ahmadabadi (2016), Eq. 2.2 and 4.59. The standard error of the estimate SEE applies to the root, so F_r lies
+//! between H_M NL (root - SEE)^2 and H_M NL (root + SEE)^2.
 
 use thiserror::Error;
 
 use super::RangeError;
 use super::{FitQuality, ForceTable, NAILS, NailSize, PenetrationLaw, Shank, Specimen, WoodKind};
 
-/// Intervals of Simpson's rule over a nail's length: its error is below 1e-9 of the work.
+/// Number of Simpson intervals over a nail's length: the error is below 1e-9 of the work.
 const INTERVALS: u32 = 2000;
 
 /// Why a penetration law cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CurveError {
-    /// A nail size that was not tested with a helical shank.
+    /// The nail size was not tested with a helical shank.
     #[error("the law \"{law}\" is of helical shanks, and the nail {nail} was not tested with one")]
     NoSuchShank {
         /// The law.
         law: &'static str,
         /// The nail size.
         nail: &'static str,
-        /// The sizes tested.
+        /// The tested sizes.
         known: String,
     },
-    /// A depth or speed outside the range of the laws.
+    /// A depth or speed is outside the range of the laws.
     #[error("the law \"{law}\" of a {nail} nail in {wood} cannot be evaluated")]
     Outside {
         /// The law.
@@ -37,16 +37,16 @@ pub enum CurveError {
         wood: &'static str,
         /// The nail.
         nail: &'static str,
-        /// What is outside.
+        /// The value outside the range.
         source: RangeError,
     },
-    /// A constant force that is negative or not finite.
+    /// The constant force is negative or not finite.
     #[error("a constant resistance of {force} N is no force of the wood")]
     Force {
         /// The force \[N\].
         force: f64,
     },
-    /// A depth beyond the nail, or beyond the points of a table.
+    /// A depth beyond the nail's length, or beyond the points of a table.
     #[error("depth {depth} m is beyond the range of \"{law}\" with a {nail} nail, 0 to {most} m")]
     TooDeep {
         /// The law.
@@ -55,13 +55,13 @@ pub enum CurveError {
         nail: &'static str,
         /// The depth \[m\].
         depth: f64,
-        /// The last valid one \[m\].
+        /// The largest valid depth \[m\].
         most: f64,
     },
 }
 
 impl CurveError {
-    /// What to do about it.
+    /// How to fix it.
     pub fn remedy(&self) -> String {
         match self {
             Self::NoSuchShank { known, .. } => format!("choose from: {known}"),
@@ -92,11 +92,11 @@ pub enum CurveLaw {
     },
     /// The same force at every depth \[N\].
     Constant(f64),
-    /// A force over depth by points.
+    /// A force given by points over depth.
     Tabulated(ForceTable),
 }
 
-/// A penetration law for one nail: force, work and uncertainty over depth.
+/// A penetration law for one nail: force, work and uncertainty as functions of depth.
 #[derive(Debug, Clone)]
 pub struct PenetrationCurve {
     /// Name of the law.
@@ -108,11 +108,11 @@ pub struct PenetrationCurve {
 }
 
 impl PenetrationCurve {
-    /// The law `law` for `nail` in `wood` at penetration speed `speed` \[m/s\].
+    /// Creates the curve of `law` for `nail` in `wood` at penetration speed `speed` \[m/s\].
     ///
     /// # Errors
-    /// [`CurveError::NoSuchShank`] where the size was not tested with the law's shank;
-    /// [`CurveError::Outside`] for a speed that is not quasi-static.
+    /// [`CurveError::NoSuchShank`] if the size was not tested with the law's shank; [`CurveError::Outside`] if the
+    /// speed is not quasi-static.
     pub fn new(
         law: PenetrationLaw,
         wood: &'static WoodKind,
@@ -155,10 +155,10 @@ impl PenetrationCurve {
         curve.force(0.0).map(|_| curve)
     }
 
-    /// The same `force` \[N\] at every depth of `nail`.
+    /// Creates a curve with the same `force` \[N\] at every depth of `nail`.
     ///
     /// # Errors
-    /// [`CurveError::Force`] for a force that is not finite or below zero.
+    /// [`CurveError::Force`] if the force is negative or not finite.
     pub fn constant(force: f64, nail: &'static NailSize) -> Result<Self, CurveError> {
         if !(force.is_finite() && force >= 0.0) {
             return Err(CurveError::Force { force });
@@ -170,10 +170,10 @@ impl PenetrationCurve {
         })
     }
 
-    /// The law `table` called `name` for `nail`.
+    /// Creates a curve from `table`, called `name`, for `nail`.
     ///
     /// # Errors
-    /// [`CurveError::TooDeep`] where the table ends before the nail does.
+    /// [`CurveError::TooDeep`] if the table ends before the nail does.
     pub fn tabulated(name: &str, table: ForceTable, nail: &'static NailSize) -> Result<Self, CurveError> {
         let curve = Self {
             name: name.to_owned(),
@@ -194,8 +194,8 @@ impl PenetrationCurve {
     /// F_r, force \[N\] at `depth` \[m\]; zero at or above the surface.
     ///
     /// # Errors
-    /// [`CurveError::Outside`] beyond the nail's length, or at a speed that is not quasi-static;
-    /// [`CurveError::TooDeep`] for laws that are not published.
+    /// [`CurveError::Outside`] beyond the nail's length or at a speed that is not quasi-static; [`CurveError::TooDeep`]
+    /// for unpublished laws.
     pub fn force(&self, depth: f64) -> Result<f64, CurveError> {
         let most = match &self.law {
             CurveLaw::Published {
@@ -231,11 +231,11 @@ impl PenetrationCurve {
         })
     }
 
-    /// The force at `depth` \[m\] with the root one standard error lower and higher \[N\]; nothing where no fit is
-    /// published.
+    /// The force at `depth` \[m\] with the root one standard error lower and higher \[N\]; none unless a published fit
+    /// gives the error.
     ///
     /// # Errors
-    /// As [`force`](Self::force).
+    /// Same as [`force`](Self::force).
     pub fn band(&self, depth: f64) -> Result<Option<[f64; 2]>, CurveError> {
         let force = self.force(depth)?;
         let CurveLaw::Published { law, specimen, .. } = &self.law else {
@@ -251,7 +251,7 @@ impl PenetrationCurve {
     /// W, work from the surface to `depth` \[J\].
     ///
     /// # Errors
-    /// As [`force`](Self::force).
+    /// Same as [`force`](Self::force).
     pub fn work(&self, depth: f64) -> Result<f64, CurveError> {
         self.force(depth)?;
         let h = depth.max(0.0) / f64::from(INTERVALS);
@@ -262,13 +262,13 @@ impl PenetrationCurve {
             } else {
                 f64::from(2 + 2 * (i % 2))
             };
-            // The force has a step at the surface: the first point lies just below it.
+            // The force is discontinuous at the surface, so the first point lies just below it.
             sum += weight * self.force((h * f64::from(i)).clamp(depth * 1e-12, depth))?;
         }
         Ok(sum * h / 3.0)
     }
 
-    /// Published quality of the fit, in units of the root where not a ratio.
+    /// Published quality of the fit, in units of the root unless a ratio.
     pub fn quality(&self) -> Option<FitQuality> {
         match &self.law {
             CurveLaw::Published { law, .. } => Some(law.fit_quality()),

@@ -1,26 +1,30 @@
-//! The law a cycle is driven against: a published one, a constant force, a fitted law, or a table.
+//! The penetration law used by a nailing cycle: a published law, a constant force, a fitted law or a table.
 
 use super::dual::Real;
 use super::extension::extended;
 use super::fit::{FittedLaw, LawOfDrive};
 use super::law::Curve;
-use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, Wood};
+use super::rate::RateSplit;
+use super::{ForceTable, NailedWood, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen};
 
-/// The fastener's contribution to the resistance beyond the dimensions of one shank.
+/// How the fastener's resistance differs from that of a single shank.
 #[derive(Debug, Clone, Copy)]
 pub struct Shanks {
     /// Number of shanks: 1, or 2 for a staple. Each meets the wood like a single nail.
     pub legs: u32,
-    /// Friction along the shank as a share of the force at full depth.
+    /// Friction along the shank as a fraction of the force at full depth.
     pub friction_share: f64,
+    /// Factor of a coating on the friction along the shank; 1 for a bright nail.
+    pub coating: f64,
 }
 
 impl Shanks {
-    /// One shank, with the share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in poplar
-    /// plywood).
+    /// One shank, with the friction share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in
+    /// poplar plywood).
     pub const SMOOTH: Self = Self {
         legs: 1,
         friction_share: 0.81,
+        coating: 1.0,
     };
 }
 
@@ -28,24 +32,25 @@ impl Shanks {
 #[derive(Debug, Clone, Copy)]
 pub struct Driven<'a> {
     /// The wood.
-    pub wood: &'a Wood,
+    pub wood: &'a NailedWood,
     /// Resistance by points, in place of the law of the wood.
     pub table: Option<&'a ForceTable>,
-    /// The law of the word `fitted`.
+    /// The fitted law, used if the design chooses `fitted`.
     pub fit: Option<&'a FittedLaw>,
-    /// The nail in the wood.
+    /// Nail and wood.
     pub specimen: &'a Specimen,
-    /// The mass \[kg\].
+    /// The driving mass \[kg\].
     pub mass: f64,
     /// The fastener's shanks.
     pub shanks: Shanks,
 }
 
-/// F_r over depth, times a factor.
+/// F_r as a function of depth, times a scale factor.
 #[derive(Debug, Clone)]
 pub struct Resistance {
     law: Law,
     scale: f64,
+    split: RateSplit,
 }
 
 #[derive(Debug, Clone)]
@@ -57,8 +62,8 @@ enum Law {
 }
 
 impl Resistance {
-    /// The law of a wood, or a table or fit in its place. A published law is that of one shank, times their number; own
-    /// laws are those of the fastener.
+    /// Creates the resistance from the law of the wood, or from the table or fit that replaces it. A published law is
+    /// for one shank and is multiplied by their number; the user's own laws are for the fastener as a whole.
     pub fn new(driven: &Driven<'_>) -> Self {
         let Driven {
             wood,
@@ -85,19 +90,48 @@ impl Resistance {
                     .map_or(Law::Published(curve), Law::Tabulated)
             }
             (None, ResistanceLaw::Constant) => Law::Constant(wood.penetration_force),
-            // Checked before a cycle starts; without a law the force is zero.
+            // Already checked before a cycle starts; without a law the force is zero.
             (None, ResistanceLaw::Fitted) => match fit {
                 Some(fit) => Law::Fitted(fit.of(specimen, mass)),
                 None => Law::Constant(0.0),
             },
         };
-        Self { law, scale }
+        let quasi_static = Self {
+            law,
+            scale,
+            split: RateSplit::inert(&shanks, 0.0, specimen.length),
+        };
+        let impact = quasi_static.fitted().map_or(0.0, LawOfDrive::usual_impact);
+        let full = quasi_static.evaluate(specimen.length, 0.0, impact);
+        // A fitted law contains the effects of speed and coating of its own tests.
+        let split = match quasi_static.law {
+            Law::Fitted(_) => RateSplit::inert(&shanks, full, specimen.length),
+            _ => RateSplit::new(wood, &shanks, full, specimen.length),
+        };
+        Self { split, ..quasi_static }
     }
 
-    /// Force at `z` and the nail's speed `v` in the wood after an impact of the rod at `impact` \[m/s\], with its
-    /// derivatives, continued smoothly above the surface.
+    /// Force at depth `z` and nail speed `v` in the wood, after an impact of the rod at `impact` \[m/s\], with its
+    /// derivatives, smoothly continued above the surface.
     #[inline]
     pub fn evaluate<S: Real>(&self, z: S, v: S, impact: f64) -> S {
+        let force = self.quasi_static(z, v, impact);
+        if self.split.changes() {
+            let [friction, tip] = self.split.parts(force, z, v);
+            friction + tip
+        } else {
+            force
+        }
+    }
+
+    /// Friction along the shank and force of the tip, whose sum is [`evaluate`](Self::evaluate).
+    #[inline]
+    pub fn parts<S: Real>(&self, z: S, v: S, impact: f64) -> [S; 2] {
+        self.split.parts(self.quasi_static(z, v, impact), z, v)
+    }
+
+    #[inline]
+    fn quasi_static<S: Real>(&self, z: S, v: S, impact: f64) -> S {
         let force = match &self.law {
             Law::Published(curve) => curve.evaluate(z),
             Law::Constant(force) => S::constant(*force),
@@ -123,7 +157,7 @@ impl Resistance {
         }
     }
 
-    /// The fitted law, if it is one.
+    /// The fitted law, if one is used.
     pub fn fitted(&self) -> Option<&LawOfDrive> {
         match &self.law {
             Law::Fitted(law) => Some(law),

@@ -1,11 +1,11 @@
-//! The choice of a law, by its word in a design.
+//! The penetration law chosen by a word in the design.
 
 use nailnoise_quantities::{Held, Kind, Value};
 use serde::{Deserialize, Serialize};
 
 use super::PenetrationLaw;
 
-/// A law of the penetration resistance force for the nailing cycle, by its word in a design.
+/// A law of penetration resistance for the nailing cycle, chosen by a word in the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ResistanceLaw {
@@ -13,11 +13,11 @@ pub enum ResistanceLaw {
     Published(PenetrationLaw),
     /// The same force at every depth, `wood.penetration_force`.
     Constant,
-    /// A law fitted to own tests, a [`FittedLaw`](super::fit::FittedLaw).
+    /// A law fitted to the user's tests, a [`FittedLaw`](super::fit::FittedLaw).
     Fitted,
 }
 
-/// Words of the published laws, then those of the constant force and of a fitted law.
+/// Words for the published laws, followed by those for the constant force and the fitted law.
 const WORDS: [&str; PenetrationLaw::WORDS.len() + 2] = {
     let mut words = ["constant"; PenetrationLaw::WORDS.len() + 2];
     words[PenetrationLaw::WORDS.len() + 1] = "fitted";
@@ -30,7 +30,7 @@ const WORDS: [&str; PenetrationLaw::WORDS.len() + 2] = {
 };
 
 impl ResistanceLaw {
-    /// The value of a key of this type.
+    /// The kind of a key of this type.
     pub const KIND: Kind = Kind::Choice(&WORDS);
 }
 

@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Greatest depth \[m\] and greatest force \[N\] of a table: beyond any nail, and beyond what would crush its shank.
+/// Largest depth \[m\] and largest force \[N\] of a table: longer than any nail, and enough to crush its shank.
 const DEEPEST: f64 = 10.0;
 const LARGEST: f64 = 1e7;
 
-/// Force over depth by points, a monotone cubic between them.
+/// Force over depth, given by points with monotone cubic interpolation.
 ///
-/// The slopes at the points are those of Fritsch and Butland (1984), so that the curve is smooth to its first
-/// derivative, passes through every point, and rises or falls only where the points do. It is valid from the surface to
-/// the last depth.
+/// The slopes at the points are those of Fritsch and Butland (1984). The curve has a continuous first derivative,
+/// passes through every point, and rises or falls only where the points do. It is valid from the surface to the last
+/// depth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Points", into = "Points")]
 pub struct ForceTable {
@@ -20,7 +20,7 @@ pub struct ForceTable {
     slopes: Vec<f64>,
 }
 
-/// The points only, as they are stored.
+/// The points as stored.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Points {
@@ -45,11 +45,11 @@ impl From<ForceTable> for Points {
     }
 }
 
-/// Why points are not a penetration law.
+/// Why points do not define a penetration law.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// Lists of different lengths.
+    /// The lists differ in length.
     #[error("there are {depths} depths and {forces} forces; give one force a depth")]
     Lengths {
         /// Number of depths.
@@ -63,14 +63,14 @@ pub enum TableError {
         /// Points found.
         count: usize,
     },
-    /// A depth or a force that no drive has.
+    /// A depth or force is implausible.
     #[error(
         "point {point} is {depth:?} m, {force:?} N; depths of at most {DEEPEST} m and forces from 0 to {LARGEST:e} N \
          are expected; \
          correct the point, or the units of the columns"
     )]
     Value {
-        /// Point, from 1.
+        /// Index of the point, from 1.
         point: usize,
         /// Its depth \[m\].
         depth: f64,
@@ -83,23 +83,23 @@ pub enum TableError {
         /// First depth \[m\].
         depth: f64,
     },
-    /// A depth that is not beyond the one before it.
+    /// The depths do not increase.
     #[error("depth {depth} m of point {point} follows {before} m; sort the points by depth, each depth once")]
     Order {
-        /// Point, from 1.
+        /// Index of the point, from 1.
         point: usize,
         /// Its depth \[m\].
         depth: f64,
-        /// The depth before it \[m\].
+        /// The preceding depth \[m\].
         before: f64,
     },
 }
 
 impl ForceTable {
-    /// A table of depths \[m\], increasing from 0, and forces \[N\].
+    /// Creates a table from depths \[m\], increasing from 0, and forces \[N\].
     ///
     /// # Errors
-    /// A [`TableError`] for the first point that is wrong.
+    /// [`TableError`] for the first invalid point.
     pub fn new(depths: Vec<f64>, forces: Vec<f64>) -> Result<Self, TableError> {
         if depths.len() != forces.len() {
             return Err(TableError::Lengths {
@@ -132,12 +132,12 @@ impl ForceTable {
         self.depths[self.depths.len() - 1]
     }
 
-    /// Force at `depth` \[N\]; zero at or above the surface, and beyond the last point that of a straight line.
+    /// Force at `depth` \[N\]; zero at or above the surface, linearly extrapolated beyond the last point.
     pub fn force(&self, depth: f64) -> f64 {
         if depth <= 0.0 { 0.0 } else { self.evaluate(depth).0 }
     }
 
-    /// Force and its derivative, straight beyond both ends.
+    /// Force and its derivative, linearly extrapolated beyond both ends.
     #[inline]
     pub(crate) fn evaluate(&self, depth: f64) -> (f64, f64) {
         let last = self.depths.len() - 1;
@@ -158,8 +158,9 @@ impl ForceTable {
     }
 }
 
-/// Slopes that make the cubics monotone: zero at a turn, else a weighted harmonic mean of the chords (Fritsch and
-/// Butland, SIAM J. Sci. Stat. Comput. 5, 1984); at the ends of three points' parabola, limited.
+/// Slopes that make the cubics monotone: zero at a local extremum, else a weighted harmonic mean of the adjacent chords
+/// (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984). At the ends, the limited slope of a parabola through
+/// three points.
 fn slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
     let n = x.len();
     let h: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,17 +1,17 @@
-//! Published coefficients, fit qualities, woods and nails.
+//! Published coefficients, qualities of fit, woods and nails.
 
 use serde::Serialize;
 
 use super::{PenetrationLaw, REFERENCE_SPEED};
 
-/// Published speed term C8 v_ref^2 of the solid-wood law (Eq. 4.59), which prints it with v_ref hidden in it (C-23)
-/// \[m2/s2\].
+/// Published speed term C8 v_ref^2 of the solid-wood law (Eq. 4.59). The source prints the law with v_ref already
+/// included (C-23) \[m2/s2\].
 const SPEED_TERM: f64 = -122.91;
 
 /// Published slenderness term C9 of the solid-wood law (Eq. 4.59) \[-\].
 const SLENDERNESS_TERM: f64 = -1.15;
 
-/// Published quality of a fit, in units of sqrt(Pi1) where not a ratio.
+/// Published quality of a fit, in units of sqrt(Pi1) unless a ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FitQuality {
     /// Coefficient of determination \[-\].
@@ -121,7 +121,7 @@ pub const WOODS: [WoodKind; 6] = [
     wood("poplar", 375.35e3, 413.04, 0.056),
 ];
 
-/// The form of a nail's shank.
+/// The shape of a nail's shank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shank {
@@ -142,12 +142,12 @@ pub struct NailSize {
     pub length: f64,
     /// D of smooth and annular shanks \[m\].
     pub diameter: f64,
-    /// D of helical shanks \[m\], where the size was tested with one.
+    /// D of helical shanks \[m\], if the size was tested with one.
     pub helical_diameter: Option<f64>,
 }
 
 impl NailSize {
-    /// Nominal diameter for a shank \[m\], if the size exists with it.
+    /// Nominal diameter for a shank \[m\], if the size exists with that shank.
     pub fn shank_diameter(&self, shank: Shank) -> Option<f64> {
         match shank {
             Shank::Smooth | Shank::Annular => Some(self.diameter),

@@ -1,9 +1,9 @@
-//! The wood as an input of the laws.
+//! Wood properties used by the laws.
 
-use nailnoise_quantities::dimension::{DENSITY, FORCE, NUMBER, STIFFNESS, VELOCITY_SQUARED};
+use nailnoise_quantities::dimension::{DENSITY, FORCE, NUMBER, STIFFNESS, VELOCITY, VELOCITY_SQUARED};
 use nailnoise_quantities::{any, group, nonnegative, positive};
 
-use super::ResistanceLaw;
+use super::{HeadLaw, RateLaw, ResistanceLaw};
 
 group! {
     /// The wood as the nail meets it.
@@ -26,5 +26,45 @@ group! {
         head_stiffness_scale: f64 = positive(NUMBER).within(1e-9, 1e3), "kw_scale";
         /// Unloading stiffness of the seated nail.
         unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
+    }
+}
+
+group! {
+    /// The wood as the nail of a cycle meets it: the quasi-static wood and the effects of speed and of a sunk head.
+    NailedWood {
+        ..quasi_static: Wood;
+        /// Dependence of the resistance on the nail's speed; a fitted law has its own.
+        rate: RateLaw = RateLaw::KIND, "";
+        /// Increase of the crushing strength per decade of speed; unused without a dependence on speed.
+        crushing_rate: f64 = nonnegative(NUMBER).within(0.0, 1.0), "beta";
+        /// Coefficient of friction of the shank in the wood at rest; unused without a dependence on speed.
+        friction_at_rest: f64 = positive(NUMBER).within(0.01, 2.0), "m_0";
+        /// Coefficient of friction at high speed; unused without a dependence on speed.
+        friction_sliding: f64 = positive(NUMBER).within(0.01, 2.0), "m_1";
+        /// Speed over which friction falls from rest to high speed; unused without a dependence on speed.
+        friction_speed: f64 = positive(VELOCITY).within(1e-3, 1e3), "v_m";
+        /// Speed of the shear waves that the shaken nail sends into the wood; used by an elastic blow only.
+        shear_speed: f64 = positive(VELOCITY).within(10.0, 1e4), "c_s";
+        /// Force under the nail's head.
+        head_law: HeadLaw = HeadLaw::KIND, "";
+        /// Multiplier on the pull-through resistance at which the head yields; unused with a linear head.
+        head_yield_scale: f64 = positive(NUMBER).within(0.01, 100.0), "";
+    }
+}
+
+impl NailedWood {
+    /// A wood without effects of speed, with a linear spring under the head.
+    pub fn quasi_static(wood: Wood) -> Self {
+        Self {
+            quasi_static: wood,
+            rate: RateLaw::None,
+            crushing_rate: 0.0,
+            friction_at_rest: 1.0,
+            friction_sliding: 1.0,
+            friction_speed: 1.0,
+            shear_speed: 700.0,
+            head_law: HeadLaw::Linear,
+            head_yield_scale: 1.0,
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! How outputs of stages are written to the store and read back.
+//! Serialisation of stage outputs for the store.
 
 use std::io::{self, Read, Write};
 
@@ -7,37 +7,37 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-/// The stored form of a type.
+/// The serialised form of a type.
 pub trait Codec<T> {
-    /// Whether anything is stored at all.
+    /// Whether outputs are stored at all.
     const KEPT: bool = true;
 
     /// Writes a value.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     fn write(value: &T, to: &mut dyn Write) -> io::Result<()>;
 
-    /// Reads a value from its `length` bytes.
+    /// Reads a value from `length` bytes.
     ///
     /// # Errors
     /// [`Undecodable`] if the bytes do not encode a value of the type.
     fn read(from: &mut dyn Read, length: usize) -> Result<T, Undecodable>;
 }
 
-/// Why bytes could not be read as a value.
+/// Why bytes could not be decoded.
 #[derive(Debug, Error)]
 #[error("holds something else ({0})")]
 pub struct Undecodable(pub String);
 
 impl Undecodable {
-    /// With the reason that a decoder gives.
+    /// Wraps the reason given by a decoder.
     pub fn new(reason: impl ToString) -> Self {
         Self(reason.to_string())
     }
 }
 
-/// The postcard format: for any serde type.
+/// The postcard format, for any serde type.
 pub struct Postcard;
 
 impl<T: Serialize + DeserializeOwned> Codec<T> for Postcard {
@@ -54,27 +54,27 @@ impl<T: Serialize + DeserializeOwned> Codec<T> for Postcard {
     }
 }
 
-/// A value whose bulk is one matrix; serde leaves the matrix out.
+/// A value that consists mostly of one matrix, which its serde form omits.
 pub trait HasMatrix {
-    /// Entries of the matrix.
+    /// Type of the matrix entries.
     type Entry: Entry;
 
     /// The matrix.
     fn matrix(&self) -> &DMatrix<Self::Entry>;
 
-    /// Puts the matrix into a value that was read without it.
+    /// Inserts the matrix into a value that was read without it.
     fn set_matrix(&mut self, matrix: DMatrix<Self::Entry>);
 }
 
-/// Numbers with little-endian bytes of fixed length.
+/// Numbers with a fixed-size little-endian encoding.
 pub trait Entry: Scalar + Copy {
-    /// Bytes of a number.
+    /// Size of a number \[bytes\].
     const BYTES: usize;
 
-    /// Appends the bytes of numbers.
+    /// Appends the encoding of numbers to `bytes`.
     fn encode(entries: &[Self], bytes: &mut Vec<u8>);
 
-    /// Appends the numbers of bytes.
+    /// Appends the numbers decoded from `bytes`.
     fn decode(bytes: &[u8], entries: &mut Vec<Self>);
 }
 
@@ -97,10 +97,10 @@ macro_rules! entry {
 
 entry!(f32, f64);
 
-/// Numbers that are encoded or decoded at once.
+/// Number of entries encoded or decoded at once.
 const PART: usize = 1 << 13;
 
-/// A large matrix and its further data, read straight into place:
+/// A value with a large matrix, which is read directly into its final memory:
 ///
 /// ```text
 /// 8 bytes  length of the head
@@ -151,17 +151,17 @@ impl<T: HasMatrix + Serialize + DeserializeOwned> Codec<T> for WithMatrix {
     }
 }
 
-/// A small matrix or vector as a field of a serde type.
+/// Serde support for a small matrix or vector as a field.
 pub mod matrix {
     use nalgebra::{DMatrix, DVector};
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    /// Entries by columns.
+    /// A dense matrix or vector, stored by columns.
     pub trait Dense: Sized {
         /// Rows, columns and entries.
         fn parts(&self) -> (usize, usize, &[f64]);
-        /// Made of them; the number of entries fits.
+        /// Builds a value from its parts; the number of entries matches the dimensions.
         fn of_parts(rows: usize, columns: usize, entries: Vec<f64>) -> Self;
     }
 
@@ -190,7 +190,7 @@ pub mod matrix {
         matrix.parts().serialize(serializer)
     }
 
-    /// Reads them back.
+    /// Reads rows, columns and entries.
     pub fn deserialize<'de, M: Dense, D: Deserializer<'de>>(deserializer: D) -> Result<M, D::Error> {
         let (rows, columns, entries) = <(usize, usize, Vec<f64>)>::deserialize(deserializer)?;
         if rows.checked_mul(columns) != Some(entries.len()) {
@@ -200,7 +200,7 @@ pub mod matrix {
     }
 }
 
-/// Nothing is stored: the output costs less to compute than to read, or is an intermediate of stored outputs.
+/// Stores nothing: the output is cheaper to compute than to read, or it is an intermediate of stored outputs.
 pub struct Uncached;
 
 impl<T> Codec<T> for Uncached {

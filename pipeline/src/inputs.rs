@@ -1,7 +1,7 @@
-//! The inputs of a stage, found while its fields are serialised for its key.
+//! Finds the inputs of a stage while its fields are serialised for its key.
 //!
-//! A list of inputs beside the fields would have to be kept in agreement with them. The key already visits every field,
-//! within options, lists and nested values alike, and every [`Stored`](crate::Stored) that it visits is an input.
+//! A separate list of inputs would have to be maintained along with the fields. Serialisation already visits every
+//! field, including options, lists and nested values, and every [`Stored`](crate::Stored) it visits is an input.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -14,15 +14,15 @@ use crate::store::Digest;
 
 /// An input of a stage, of any type.
 pub trait Input<E>: Send + Sync {
-    /// Makes the value, if it is not made yet.
+    /// Makes the value if it has not been made yet.
     ///
     /// # Errors
-    /// That of the stage that makes it.
+    /// The error of the stage that makes it.
     fn prepare(&self) -> Result<(), E>;
 }
 
 thread_local! {
-    /// The inputs found so far while this thread serialises a stage.
+    /// Inputs found so far in the stage that this thread is serialising.
     static FOUND: RefCell<Option<Vec<Found>>> = const { RefCell::new(None) };
 }
 
@@ -35,7 +35,7 @@ struct Found {
 }
 
 /// Runs work that serialises values; also returns the inputs within them, each once.
-pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn Input<E>>>) {
+pub(crate) fn collect<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn Input<E>>>) {
     let outer = FOUND.replace(Some(Vec::new()));
     let value = work();
     let found = FOUND.replace(outer).unwrap_or_default();
@@ -47,7 +47,7 @@ pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn
 }
 
 /// Counts the output of the stage `key` as an input of the stage that is being serialised, if one is.
-pub(crate) fn found<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
+pub(crate) fn register<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
     FOUND.with_borrow_mut(|found| {
         let Some(found) = found else { return };
         if found.iter().all(|known| known.key != *key) {
@@ -59,8 +59,8 @@ pub(crate) fn found<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn In
     });
 }
 
-/// Inputs that a stage reads only in some cases, or one after the other to save memory. They are part of its key, but
-/// are not made before it is computed.
+/// Inputs that a stage reads only in some cases, or one after the other to save memory. They are part of its key but
+/// are not made in advance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OnDemand<T>(pub T);
 

@@ -1,25 +1,25 @@
-//! Progress of a computation, for its observers.
+//! Reports the progress of a computation to observers.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Receives the progress of stages that may run side by side.
+/// Receives the progress of stages, which may run in parallel.
 pub trait Observer: Send + Sync {
-    /// A stage begins.
+    /// A stage starts.
     fn stage(&self, name: &str);
-    /// A remark for the user to read with the result.
+    /// A remark that the user should read with the result.
     fn note(&self, text: &str);
-    /// So many items of the command's own work are done, of so many.
+    /// The command itself has completed `items` of `of` items.
     fn done(&self, _items: u64, _of: u64) {}
-    /// A long task of a stage has advanced.
+    /// A long task of a stage has progressed.
     fn task(&self, _task: &Task) {}
-    /// Work has advanced that reports no stages; called now and then, so that it can be ended.
+    /// Called now and then during work without stages, so that it can be interrupted.
     fn step(&self) {}
-    /// Nothing more is to come.
+    /// No further calls follow.
     fn end(&self) {}
 }
 
-/// Passes on all but the beginnings of stages: for work that runs the same stages many times.
+/// Forwards everything but the start of stages, for work that runs the same stages many times.
 pub struct WithoutStages(pub Arc<dyn Observer>);
 
 impl Observer for WithoutStages {
@@ -53,11 +53,11 @@ impl Observer for WithoutStages {
 pub struct Task {
     /// Its name.
     pub name: &'static str,
-    /// The counted items.
+    /// Name of the items counted.
     pub items: &'static str,
-    /// How many items are done.
+    /// Number of items done.
     pub done: u64,
-    /// How many there are, as far as is known; 0 if unknown.
+    /// Total number of items, if known, else 0.
     pub of: u64,
     /// Whether the task has ended.
     pub ended: bool,
@@ -77,42 +77,42 @@ impl Observer for Silent {
 pub struct Progress(Arc<dyn Observer>);
 
 impl Progress {
-    /// Passes progress on to an observer.
+    /// Creates a progress that reports to an observer.
     pub fn to(observer: Arc<dyn Observer>) -> Self {
         Self(observer)
     }
 
-    /// Passes nothing on.
+    /// Creates a progress that reports nothing.
     pub fn silent() -> Self {
         Self(Arc::new(Silent))
     }
 
-    /// Target of the progress.
+    /// The observer.
     pub fn observer(&self) -> Arc<dyn Observer> {
         Arc::clone(&self.0)
     }
 
-    /// A stage, or a step of one, begins.
+    /// Reports the start of a stage or of a step within it.
     pub fn stage(&self, name: &str) {
         self.0.stage(name);
     }
 
-    /// A remark for the user to read with the result.
+    /// Reports a remark that the user should read with the result.
     pub fn note(&self, text: &str) {
         self.0.note(text);
     }
 
-    /// Nothing more is to come.
+    /// Reports that nothing more follows.
     pub fn end(&self) {
         self.0.end();
     }
 
-    /// So many items of the command's own work are done, of so many.
+    /// Reports that the command itself has completed `items` of `of` items.
     pub fn done(&self, items: u64, of: u64) {
         self.0.done(items, of);
     }
 
-    /// Runs a task that reports how many `items` are done, and of how many (0 if unknown).
+    /// Runs a task that reports how many `items` are done and how many there are (0 if unknown).
     pub fn count<T>(
         &self,
         (name, items): (&'static str, &'static str),
@@ -132,7 +132,7 @@ impl Progress {
         value
     }
 
-    /// Runs a task that reports the end of each item; `expected` is their number, as far as is known, else 0.
+    /// Runs a task that reports each completed item; `expected` is their number, or 0 if unknown.
     pub fn count_each<T>(
         &self,
         task: (&'static str, &'static str),

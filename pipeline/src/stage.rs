@@ -8,25 +8,25 @@ use crate::progress::Progress;
 
 /// A step of a computation: a value that contains all its inputs and nothing else.
 ///
-/// Its fields are its inputs; large ones are [`Stored`](crate::Stored). The graph makes all of them side by side before
-/// it calls [`compute`](Self::compute), except those within [`OnDemand`](crate::OnDemand).
+/// Its fields are its inputs; large ones are [`Stored`](crate::Stored). The graph makes all of them in parallel before
+/// it calls [`compute`](Self::compute), except those in [`OnDemand`](crate::OnDemand).
 pub trait Stage: Serialize + Send + Sync + 'static {
     /// Its output.
     type Output: Send + Sync + 'static;
-    /// Its error, the same for all stages of a graph.
+    /// Its error type, the same for all stages of a graph.
     type Error: StageError;
-    /// How the output is stored between runs: [`Postcard`](crate::Postcard), [`Uncached`](crate::Uncached), or a
-    /// dedicated form.
+    /// How the output is stored between runs: [`Postcard`](crate::Postcard), [`Uncached`](crate::Uncached) or a special
+    /// format.
     type Codec: Codec<Self::Output>;
-    /// Its name in the store, in progress and in the timing of a run.
+    /// Its name in the store, in progress messages and in the timing of a run.
     const NAME: &'static str;
     /// Digests of the code that it calls.
     const CODE: Code;
 
-    /// Makes the output.
+    /// Computes the output.
     ///
     /// # Errors
-    /// Those of the computation, or of an input.
+    /// Errors of the computation or of an input.
     fn compute(&self, progress: &Progress) -> Result<Self::Output, Self::Error>;
 }
 

@@ -1,4 +1,4 @@
-//! Outputs of stages as inputs of others.
+//! Stage outputs as inputs of other stages.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use serde::{Serialize, Serializer};
 use crate::inputs::{self, Input};
 use crate::store::Digest;
 
-/// The output of a stage, made when it is first read and shared by all who read it.
+/// The output of a stage, made when first read and shared by all readers.
 ///
-/// It is serialised as the key of its stage: a result that uses it depends on the inputs of that stage, not on its
-/// bytes, whose last digits may differ between machines.
+/// It is serialised as the key of its stage. A result that uses it thus depends on the inputs of that stage and not on
+/// its bytes, whose last digits may differ between machines.
 pub struct Stored<T, E> {
     key: Digest,
     source: Arc<dyn Source<T, E>>,
@@ -18,10 +18,10 @@ pub struct Stored<T, E> {
 
 /// Origin of a [`Stored`] value.
 pub trait Source<T, E>: Send + Sync {
-    /// The value, looked up or computed.
+    /// Looks up or computes the value.
     ///
     /// # Errors
-    /// That of the stage that makes it.
+    /// The error of the stage that makes it.
     fn get(&self) -> Result<Arc<T>, E>;
 }
 
@@ -31,22 +31,22 @@ impl<T, E> Stored<T, E> {
         Self { key, source }
     }
 
-    /// The value. Must not be called within a parallel loop: the threads of the loop may be the ones that make it.
+    /// Returns the value. Must not be called within a parallel loop: making the value may need the threads of the loop.
     ///
     /// # Errors
-    /// That of the stage that makes it.
+    /// The error of the stage that makes it.
     pub fn get(&self) -> Result<Arc<T>, E> {
         self.source.get()
     }
 
-    /// Digest of all that the value depends on.
+    /// Digest of everything the value depends on.
     pub fn key(&self) -> &Digest {
         &self.key
     }
 }
 
 impl<T: Send + Sync + 'static, E: 'static> Stored<T, E> {
-    /// A value at hand, under a key of the caller's choice: for tests, and for callers that run a single stage.
+    /// Wraps an available value under a key chosen by the caller, for tests and for callers that run a single stage.
     pub fn ready(key: Digest, value: T) -> Self {
         struct Ready<T>(Arc<T>);
         impl<T: Send + Sync, E> Source<T, E> for Ready<T> {
@@ -66,15 +66,15 @@ impl<T, E> Clone for Stored<T, E> {
 
 impl<T: Send + Sync + 'static, E: 'static> Serialize for Stored<T, E> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        inputs::found(&self.key, || -> Arc<dyn Input<E>> { Arc::new(self.clone()) });
+        inputs::register(&self.key, || -> Arc<dyn Input<E>> { Arc::new(self.clone()) });
         serializer.serialize_bytes(&self.key)
     }
 }
 
-/// The values of several inputs.
+/// Returns the values of several inputs.
 ///
 /// # Errors
-/// Those of the stages that make them.
+/// The errors of the stages that make them.
 pub fn all<T, E>(inputs: &[Stored<T, E>]) -> Result<Vec<Arc<T>>, E> {
     inputs.iter().map(Stored::get).collect()
 }

@@ -1,17 +1,17 @@
-//! Work on another thread, or on the thread at hand where the system gives no other (`ulimit -u`, `ulimit -v`).
+//! Runs work on another thread, or on the current one if the system grants no more (`ulimit -u`, `ulimit -v`).
 
 use std::panic::resume_unwind;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
 
-/// Work that [`beside`] has begun.
+/// Work started by [`beside`].
 pub enum Begun<'scope, T> {
-    /// On a thread.
+    /// Running on another thread.
     There(ScopedJoinHandle<'scope, T>),
-    /// Done, for want of a thread.
+    /// Already completed, because no thread was available.
     Here(T),
 }
 
-/// Begins work on a thread of a scope. Without a thread it is done at once.
+/// Starts work on a scoped thread. If no thread is available, it runs at once.
 pub fn beside<'scope, T: Send + 'scope>(
     scope: &'scope Scope<'scope, '_>,
     work: &'scope (impl Fn() -> T + Sync),
@@ -23,7 +23,7 @@ pub fn beside<'scope, T: Send + 'scope>(
 }
 
 impl<T> Begun<'_, T> {
-    /// The result. A panic continues unchanged.
+    /// Waits for the result. A panic is propagated.
     pub fn join(self) -> T {
         match self {
             Self::There(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),

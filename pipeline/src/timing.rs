@@ -4,12 +4,11 @@ use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
-/// Wall time of each stage \[s\], in the order of their ends, without that of the stages it waits for; some run side by
-/// side.
+/// Wall time of each stage \[s\], excluding waits for other stages, in the order of completion; stages may overlap.
 #[derive(Debug, Clone, Default)]
 pub struct Timing(Vec<(&'static str, f64)>);
 
-/// The complete run, in the list of its stages.
+/// Name of the entry for the complete run.
 const WHOLE: &str = "whole run";
 
 impl Timing {
@@ -22,7 +21,7 @@ impl Timing {
         }
     }
 
-    /// Adds the time of all of it.
+    /// Records the duration of the complete run.
     pub fn end(&mut self, whole: Duration) {
         self.add(WHOLE, whole);
     }
@@ -32,7 +31,7 @@ impl Timing {
         self.0.iter().map(|(stage, seconds)| (*stage, *seconds))
     }
 
-    /// Wall time of all of it \[s\].
+    /// Duration of the complete run \[s\].
     pub fn whole(&self) -> f64 {
         self.stages()
             .filter(|(stage, _)| *stage == WHOLE)

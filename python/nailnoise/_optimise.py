@@ -19,6 +19,7 @@ from ._work import Cache, Progress, _shown
 
 if TYPE_CHECKING:
     from distributed import Client
+    from optuna.samplers import BaseSampler
     from optuna.trial import Trial
 
 #: Most candidates for each trial: where hardly any shot meets the constraints, an optimisation ends.
@@ -96,7 +97,9 @@ class Optimisation(_Shown):
         def bettered(score: tuple[float, ...]) -> bool:
             return any(other != score and all(a <= b for a, b in zip(other, score)) for other, _ in scored)
 
-        return [trial for score, trial in sorted(scored, key=lambda own: own[0]) if not bettered(score)]
+        best = [(score, trial) for score, trial in sorted(scored, key=lambda own: own[0]) if not bettered(score)]
+        # Of equal ones the first.
+        return [trial for place, (score, trial) in enumerate(best) if all(score != other for other, _ in best[:place])]
 
     @property
     def table(self) -> Any:
@@ -112,7 +115,7 @@ class Optimisation(_Shown):
         """Writes each design of the front as a TOML file over the base; the files."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
-        base = os.path.abspath(self.design.path)
+        base = Path(os.path.relpath(self.design.path, place)).as_posix()
         files = []
         for number, proposal in enumerate(self.front, 1):
             file = place / f"{self.design.name}-{number}.toml"
@@ -154,13 +157,15 @@ def optimise(
     store: str | os.PathLike[str] | None = None,
     batch: int | None = None,
     progress: Progress | bool | None = None,
+    sampler: BaseSampler | None = None,
 ) -> Optimisation:
-    """Looks for the design of the lowest level.
+    """Looks for the design of the lowest level with a sampler of Optuna; the command ``nailnoise optimise`` needs no Python.
 
     ``vary`` maps keys to ranges (``"80psig..110psig"``, ``"0.01..0.08:log"``) or choices. ``minimise`` is ``total``, a source, or a
     figure of the shot; ``pareto`` a second objective, with a minus to maximise it (``"-drive_energy"``). A shot that breaks a
     constraint costs a cycle and no sound, and is no trial: ``trials`` counts the designs whose levels are computed. An optimisation ends
-    earlier after ``CANDIDATES_A_TRIAL`` candidates for each trial that was asked for. The same seed tries the same designs.
+    earlier after ``CANDIDATES_A_TRIAL`` candidates for each trial that was asked for. The same seed tries the same designs. ``sampler``
+    replaces the tree-structured Parzen estimator.
 
     With a ``client`` of dask.distributed, ``batch`` designs at a time (one for each thread of the cluster) are tasks on its workers.
     The optimiser then knows less when it proposes one, so that seed and batch decide which designs are tried. ``store`` is that of
@@ -180,7 +185,8 @@ def optimise(
     for name in [*(own.lstrip("-") for own in objectives), *(own.figure for own in constraints)]:
         if name not in known:
             raise ValueError(f"there is no figure `{name}`; there are {', '.join(sorted(known))}")
-    sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=max(10, 3 * len(variables)), constant_liar=client is not None)
+    if sampler is None:
+        sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=max(10, 3 * len(variables)), constant_liar=client is not None)
     study = optuna.create_study(sampler=sampler, directions=["minimize"] * len(objectives))
     found = Optimisation(design, objectives, [])
     show = _shown(progress)

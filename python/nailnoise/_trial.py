@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -118,9 +119,19 @@ class Proposal:
     def toml(self, base: str, before: Mapping[str, Value] | None = None) -> str:
         """The design as a file over its base, with values that were set before."""
         values = {**(before or {}), **self.values}
-        lines = [f"base = {json.dumps(base)}"]
-        lines += [f"{key} = {_text(value) if not isinstance(value, str) else json.dumps(value)}" for key, value in values.items()]
+        lines = [f"base = {json.dumps(base)}", *(f"{key} = {_toml(value)}" for key, value in values.items())]
         return "\n".join(lines) + "\n"
+
+
+def _toml(value: Value) -> str:
+    """A value in a design file: a text that is a number, a switch or a table there is none in quotes."""
+    if not isinstance(value, str):
+        return _text(value)
+    try:
+        tomllib.loads(f"value = {value}")
+    except tomllib.TOMLDecodeError:
+        return json.dumps(value)
+    return value
 
 
 Values = dict[str, Value]

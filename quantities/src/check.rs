@@ -1,4 +1,4 @@
-//! Checks at run time: a number with its limit.
+//! Run-time checks: a number and its limit.
 
 use std::borrow::Cow;
 
@@ -20,7 +20,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// A check that passes when `|value| <= limit`.
+    /// A check that passes if `|value| <= limit`.
     pub fn at_most(name: impl Into<Cow<'static, str>>, value: f64, limit: f64) -> Self {
         Self {
             name: name.into(),
@@ -30,7 +30,7 @@ impl Check {
         }
     }
 
-    /// The same check under the name of the part that it belongs to.
+    /// The same check, with its name prefixed by the part it belongs to.
     #[must_use]
     pub fn of(self, part: &str) -> Self {
         Self {

@@ -1,12 +1,10 @@
-//! Physical dimensions: the nature of a quantity, whatever its unit.
+//! Physical dimensions.
 
 use std::fmt;
 
-use crate::units::{Unit, UnitError};
-
 /// Exponents of length, mass, time, temperature, plane angle and electric current.
 ///
-/// The angle has its own dimension, so that a degree in place of a ratio is an error.
+/// Plane angle has its own dimension, so that a plain ratio given in degrees is an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dimension {
     length: i8,
@@ -30,7 +28,7 @@ impl Dimension {
         }
     }
 
-    /// The product `self * other^power`, or `None` where an exponent leaves the range of `i8`.
+    /// The product `self * other^power`, or `None` if an exponent exceeds the range of `i8`.
     pub fn times(self, other: Self, power: i32) -> Option<Self> {
         let exponent = |a: i8, b: i8| i8::try_from(i32::from(b).checked_mul(power)?.checked_add(i32::from(a))?).ok();
         Some(Self {
@@ -43,7 +41,7 @@ impl Dimension {
         })
     }
 
-    /// The dimension whose square is `self`, or `None` where an exponent is odd.
+    /// The dimension whose square is `self`, or `None` if an exponent is odd.
     pub fn square_root(self) -> Option<Self> {
         let exponents = [
             self.length,
@@ -58,34 +56,26 @@ impl Dimension {
         even.then_some(Self::new(length, mass, time, temperature, angle, current))
     }
 
-    /// The dimension of a unit; a plain number for the empty text.
-    ///
-    /// # Errors
-    /// [`UnitError`], the text is not a unit.
-    pub fn of_unit(unit: &str) -> Result<Self, UnitError> {
-        Unit::parse(unit).map(|unit| unit.dimension)
-    }
-
     /// The SI unit that the design uses for a quantity of this dimension; empty for a plain number.
     pub fn unit(self) -> String {
         self.named()
             .map_or_else(|| self.base_units(), |named| named.unit.to_owned())
     }
 
-    /// Units an engineer may write for this dimension, for the remedy of an error.
+    /// Common engineering units of this dimension, for the remedy of an error.
     pub fn examples(self) -> String {
         self.named()
             .map_or_else(|| self.base_units(), |named| named.examples.to_owned())
     }
 
-    /// Smallest and largest magnitude, in SI units, of a quantity of this dimension in a hand-held machine, its
-    /// surroundings and its test rig; every magnitude for a dimension without a name.
+    /// Smallest and largest plausible magnitude of a quantity of this dimension, in SI units, for a hand-held machine,
+    /// its surroundings and its test rig. Unbounded if the dimension has no name.
     pub fn magnitudes(self) -> [f64; 2] {
         self.named()
             .map_or([f64::MIN_POSITIVE, f64::MAX], |named| named.magnitudes)
     }
 
-    /// Factor and unit for the display of a value of this dimension.
+    /// Scale factor and unit for displaying a value of this dimension.
     pub fn readable(self) -> (f64, String) {
         match self {
             LENGTH => (1e3, "mm".to_owned()),

@@ -1,6 +1,6 @@
-//! Groups of quantities: one declaration per key.
+//! Groups of quantities, with one declaration per key.
 //!
-//! [`group!`](crate::group!) turns a declaration into the struct that a program reads, and into the [`GroupSpec`] by
+//! [`group!`](crate::group!) turns a declaration into the struct that a program uses and into the [`GroupSpec`] with
 //! which a file is read, checked and documented. This is the only place where a key is declared.
 
 use std::collections::BTreeMap;
@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 use crate::spec::{GroupSpec, KeySpec, dotted};
 use crate::value::{Assign, Held, Value};
 
-/// Values by the full names of their keys.
+/// Values by the full name of their key.
 pub type Found = BTreeMap<String, Value>;
 
-/// Names of the members of the list `list` among full names of keys, which must be in alphabetical order.
+/// Names of the members of the list `list`, extracted from full key names in alphabetical order.
 pub fn members<'a>(keys: impl Iterator<Item = &'a String>, list: &str) -> Vec<String> {
     let mut names: Vec<String> = keys
         .filter_map(|key| key.strip_prefix(list)?.strip_prefix('.')?.split('.').next())
@@ -25,22 +25,22 @@ pub fn members<'a>(keys: impl Iterator<Item = &'a String>, list: &str) -> Vec<St
 pub trait Group: Sized {
     /// Declaration of the group.
     const SPEC: GroupSpec;
-    /// The group at `path` with the values found for each key's full name.
+    /// Builds the group at `path` from the values found for its keys.
     ///
     /// # Errors
-    /// The full name of the first key without a value of its kind.
+    /// The full name of the first key whose value is missing or of the wrong kind.
     fn build(path: &str, found: &Found) -> Result<Self, String>;
     /// Calls `f` with the full name, declaration and value of every key.
     fn visit(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec, Value));
-    /// The declaration and the place of one key by its name within this group (`friction.static_force`), if there is
-    /// such a key. Costs a few comparisons of names, where [`visit`](Self::visit) passes every key.
+    /// The declaration and a mutable reference to the value of the key `name` in this group (`friction.static_force`),
+    /// if it exists. This takes a few string comparisons, whereas [`visit`](Self::visit) iterates over all keys.
     fn key_mut(&mut self, name: &str) -> Option<(&'static KeySpec, &mut dyn Assign)>;
 }
 
 /// The value of the key `name` of the group at `path`.
 ///
 /// # Errors
-/// Its full name, if there is no value of its kind.
+/// The full name of the key if its value is missing or of the wrong kind.
 pub fn read_key<T: Held>(path: &str, name: &str, found: &Found) -> Result<T, String> {
     let name = dotted(path, name);
     found.get(&name).and_then(T::from_value).ok_or(name)
@@ -59,7 +59,7 @@ pub fn visit_key<G: Group, T: Held>(
     }
 }
 
-/// The declaration of a key and its symbol, if any, for its documentation.
+/// The documentation of a key, with its symbol if it has one.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! key_doc {
@@ -74,10 +74,10 @@ macro_rules! key_doc {
 /// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups and the lists
 /// within it.
 ///
-/// The line `..part: Inner;` among the keys puts the keys of the group `Inner` in this place. The struct contains the
-/// inner group as the field `part` and dereferences to it, so that the keys of both read alike.
+/// The line `..part: Inner;` among the keys inserts the keys of the group `Inner` at that position. The struct contains
+/// the inner group as the field `part` and dereferences to it, so that the keys of both are accessed alike.
 ///
-/// The struct derives `serde` traits; the crate that declares it depends on `serde`.
+/// The struct derives the `serde` traits, so the declaring crate must depend on `serde`.
 #[macro_export]
 macro_rules! group {
     (
@@ -135,7 +135,11 @@ macro_rules! group {
                         kind: $kind,
                     }),*],
                     $(
-                        <$Part as $crate::Group>::SPEC.only_keys(),
+                        {
+                            const COUNT: usize = <$Part as $crate::Group>::SPEC.key_count();
+                            const KEYS: [$crate::KeySpec; COUNT] = <$Part as $crate::Group>::SPEC.joined_keys();
+                            &KEYS
+                        },
                         &[$($crate::KeySpec {
                             name: stringify!($late),
                             symbol: $late_symbol,

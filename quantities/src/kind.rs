@@ -2,14 +2,14 @@
 
 use crate::dimension::{Dimension, NUMBER, PRESSURE};
 
-/// Which part of the number line the values of a quantity lie on.
+/// Sign constraint on the values of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
     /// Any finite number.
     Any,
     /// Zero or above.
     NonNegative,
-    /// Above zero.
+    /// Greater than zero.
     Positive,
     /// From 0 to 1.
     Fraction,
@@ -24,14 +24,14 @@ pub enum Kind {
     Quantity {
         /// Its dimension; the unit in the file must have it.
         dimension: Dimension,
-        /// The part of the number line it lies on.
+        /// Constraint on its sign.
         sign: Sign,
-        /// Its domain in SI units, where that of sign and dimension is too wide.
+        /// Its domain in SI units, if narrower than that implied by sign and dimension.
         within: Option<[f64; 2]>,
-        /// Whether a gauge pressure may be given; the ambient pressure is added to it.
+        /// Whether a gauge pressure is accepted; the ambient pressure is then added.
         gauge: bool,
     },
-    /// A whole number from 1 to this.
+    /// An integer from 1 to this.
     Count(u32),
     /// `true` or `false`.
     Switch,
@@ -71,8 +71,8 @@ impl Kind {
         }
     }
 
-    /// Smallest and largest value that a program of this kind can work with, in SI units: the hard domain of every
-    /// design, apart from the plausible range that a design gives. None for a value that is neither quantity nor count.
+    /// Smallest and largest value that the program can handle for this kind, in SI units. This hard domain applies to
+    /// every design, unlike the plausible range given in a design. None unless the value is a quantity or a count.
     pub fn domain(self) -> Option<[f64; 2]> {
         match self {
             Self::Quantity {
@@ -93,16 +93,16 @@ impl Kind {
         }
     }
 
-    /// Whether the domain contains `value`, in SI units; never true of a number that is not finite.
+    /// Whether the domain contains `value`, in SI units; false unless `value` is finite.
     pub fn allows(self, value: f64) -> bool {
-        // Units are converted with a rounding.
+        // The tolerance allows for rounding in unit conversion.
         self.domain().is_some_and(|[low, high]| {
             let slack = 1e-12 * low.abs().max(high.abs()).min(value.abs());
             value >= low - slack && value <= high + slack
         })
     }
 
-    /// The domain in words, "from 0.001 to 100 m"; empty if there is none.
+    /// The domain in words, such as "from 0.001 to 100 m"; empty if there is none.
     pub fn allowed(self) -> String {
         let unit = match self {
             Self::Quantity { dimension, .. } => dimension.unit(),
@@ -116,7 +116,7 @@ impl Kind {
     }
 }
 
-/// A bound of a domain as a person reads it.
+/// Formats a bound of a domain.
 fn short(bound: f64) -> String {
     if bound == 0.0 || (1e-3..1e6).contains(&bound.abs()) {
         format!("{bound}")
@@ -130,17 +130,18 @@ pub const fn any(dimension: Dimension) -> Kind {
     Kind::quantity(dimension, Sign::Any)
 }
 
-/// A quantity of zero or above.
+/// A nonnegative quantity.
 pub const fn nonnegative(dimension: Dimension) -> Kind {
     Kind::quantity(dimension, Sign::NonNegative)
 }
 
-/// A quantity above zero.
+/// A quantity greater than zero.
 pub const fn positive(dimension: Dimension) -> Kind {
     Kind::quantity(dimension, Sign::Positive)
 }
 
-/// An absolute pressure above zero that may also be given as gauge pressure; up to 10 MPa, beyond any compressor.
+/// A positive absolute pressure that may also be given as gauge pressure. The maximum of 10 MPa exceeds that of any
+/// compressor.
 pub const fn gas_pressure() -> Kind {
     Kind::Quantity {
         dimension: PRESSURE,
@@ -150,7 +151,7 @@ pub const fn gas_pressure() -> Kind {
     }
 }
 
-/// A modulus of elasticity: from that of a soft foam to beyond that of diamond.
+/// A modulus of elasticity, from that of a soft foam to above that of diamond.
 pub const fn modulus() -> Kind {
     positive(PRESSURE).within(1e4, 2e12)
 }

@@ -3,10 +3,10 @@
 use crate::dimension::Dimension;
 use crate::text::{QuantityError, quantity};
 
-/// Reads "500 mm/min" as a quantity of `dimension` in SI units; a number without a unit is in SI units.
+/// Parses "500 mm/min" as a quantity of `dimension` in SI units; a number without a unit is in SI units.
 ///
 /// # Errors
-/// The fault of the text, with the units that are allowed.
+/// A description of the error, with the units allowed.
 pub fn measure(text: &str, dimension: Dimension) -> Result<f64, String> {
     if let Ok(number) = text.trim().parse::<f64>()
         && number.is_finite()

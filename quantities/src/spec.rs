@@ -3,15 +3,15 @@
 use crate::kind::Kind;
 
 /// A key of the design file.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct KeySpec {
     /// Its name in its group.
     pub name: &'static str,
     /// Symbol in Nili Ahmadabadi (2016) or in the field; empty if there is none.
     pub symbol: &'static str,
-    /// Description, one line of text an element.
+    /// Description, one line of text per element.
     pub doc: &'static [&'static str],
-    /// What it holds.
+    /// Kind of its value.
     pub kind: Kind,
 }
 
@@ -33,16 +33,16 @@ impl KeySpec {
 /// A group of the design file.
 #[derive(Debug)]
 pub struct GroupSpec {
-    /// Description, one line of text an element.
+    /// Description, one line of text per element.
     pub doc: &'static [&'static str],
-    /// The keys in the group itself, in their order: its own, or its own before the part, those of the part, and its
-    /// own after it.
+    /// The keys directly in the group, in order: those declared before the part, those of the part, and those declared
+    /// after it.
     pub keys: &'static [&'static [KeySpec]],
-    /// The groups within it, by name.
+    /// Its subgroups, by name.
     pub groups: &'static [(&'static str, &'static GroupSpec)],
-    /// Lists within it: groups of one declaration; a design gives any number of them, each with a name.
+    /// Its lists: the design may give any number of groups of the same declaration, each with a name.
     pub lists: &'static [(&'static str, &'static GroupSpec)],
-    /// Whether a file may give the keys as a list of values, in their order.
+    /// Whether a file may give the values as an ordered list.
     pub is_list: bool,
 }
 
@@ -52,24 +52,50 @@ impl GroupSpec {
         join(self.doc)
     }
 
-    /// The keys in the group itself, in their order.
+    /// The keys directly in the group, in order.
     pub fn keys(&self) -> impl Iterator<Item = &'static KeySpec> + use<> {
         self.keys.iter().copied().flatten()
     }
 
-    /// The keys of a group without a part.
+    /// Number of the keys in the group itself.
     #[doc(hidden)]
-    pub const fn only_keys(&self) -> &'static [KeySpec] {
-        assert!(self.keys.len() == 1, "the part of a group has no part of its own");
-        self.keys[0]
+    pub const fn key_count(&self) -> usize {
+        let (mut count, mut slice) = (0, 0);
+        while slice < self.keys.len() {
+            count += self.keys[slice].len();
+            slice += 1;
+        }
+        count
     }
 
-    /// The key of this name in the group itself.
+    /// The keys in the group itself as one array of [`key_count`](Self::key_count) keys.
+    #[doc(hidden)]
+    pub const fn joined_keys<const COUNT: usize>(&self) -> [KeySpec; COUNT] {
+        const BLANK: KeySpec = KeySpec {
+            name: "",
+            symbol: "",
+            doc: &[],
+            kind: Kind::Switch,
+        };
+        let mut all = [BLANK; COUNT];
+        let (mut place, mut slice) = (0, 0);
+        while slice < self.keys.len() {
+            let mut key = 0;
+            while key < self.keys[slice].len() {
+                all[place] = self.keys[slice][key];
+                (place, key) = (place + 1, key + 1);
+            }
+            slice += 1;
+        }
+        all
+    }
+
+    /// Finds a key directly in this group.
     pub fn key(&self, name: &str) -> Option<&'static KeySpec> {
         self.keys().find(|key| key.name == name)
     }
 
-    /// The group of this name in the group itself.
+    /// Finds a direct subgroup.
     pub fn group(&self, name: &str) -> Option<&'static GroupSpec> {
         self.groups
             .iter()
@@ -77,7 +103,7 @@ impl GroupSpec {
             .map(|(_, group)| *group)
     }
 
-    /// The declaration of the members of the list of this name in the group itself.
+    /// The declaration of the members of a list directly in this group.
     pub fn list(&self, name: &str) -> Option<&'static GroupSpec> {
         self.lists
             .iter()
@@ -85,13 +111,13 @@ impl GroupSpec {
             .map(|(_, member)| *member)
     }
 
-    /// Calls `f` with the full name and declaration of every key, groups after the keys at their level; the members of
-    /// a list come under `*`.
+    /// Calls `f` with the full name and declaration of every key, the keys of each level before its subgroups; list
+    /// members have the name `*`.
     pub fn each_key(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec)) {
         self.each_key_of(path, &|_| vec![MEMBER.to_owned()], f);
     }
 
-    /// The same, with the members of each list as `names` gives them.
+    /// Same as `each_key`, with the names of list members given by `names`.
     pub fn each_key_of(
         &self,
         path: &str,
@@ -113,10 +139,10 @@ impl GroupSpec {
     }
 }
 
-/// Stands for the name that a design gives a member of a list.
+/// Placeholder for the name that a design gives a list member.
 pub const MEMBER: &str = "NAME";
 
-/// The name of a key or group within the group `path`; the root's path is empty.
+/// The full name of a key or group within the group `path`; the path of the root is empty.
 pub fn dotted(path: &str, name: &str) -> String {
     if path.is_empty() {
         name.to_owned()

@@ -3,7 +3,7 @@
 use crate::dimension::{Dimension, NUMBER, PRESSURE};
 use crate::units::{Unit, UnitError};
 
-/// A quantity in SI; a gauge pressure still counts from the ambient pressure.
+/// A quantity in SI units; a gauge pressure remains relative to ambient pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// Value in the SI unit of its dimension.
@@ -19,22 +19,22 @@ impl Measured {
     }
 }
 
-/// Why a text is not the quantity that was asked for.
+/// Why a text is not the expected quantity.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum QuantityError {
-    /// No number, or a number followed by something that cannot begin a unit.
+    /// No number, or a number followed by characters that cannot start a unit.
     #[error("not a number with a unit")]
     Number,
     /// Infinite, too large for a double, or not a number.
     #[error("the number is not finite")]
     NotFinite,
-    /// A number without a unit where a dimension is expected.
+    /// A number without a unit although a dimension is expected.
     #[error("the unit is missing")]
     NoUnit,
     /// A unit that cannot be read.
     #[error(transparent)]
     Unit(UnitError),
-    /// A unit of another dimension.
+    /// A unit of the wrong dimension.
     #[error("`{unit}` is {found}")]
     Dimension {
         /// The unit given.
@@ -42,7 +42,7 @@ pub enum QuantityError {
         /// Its dimension.
         found: Dimension,
     },
-    /// A gauge pressure where only absolute ones make sense.
+    /// A gauge pressure although only absolute pressures make sense.
     #[error("`{unit}` is a unit of gauge pressure")]
     Gauge {
         /// The unit given.
@@ -50,10 +50,10 @@ pub enum QuantityError {
     },
 }
 
-/// Reads "763.2 kPa" as a quantity of `dimension`; `gauge` permits gauge pressures.
+/// Parses "763.2 kPa" as a quantity of `dimension`; `gauge` permits gauge pressures.
 ///
 /// # Errors
-/// A [`QuantityError`] with the fault of the text.
+/// [`QuantityError`] if the text is invalid.
 pub fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<Measured, QuantityError> {
     let (number, unit) = split(text)?;
     let (unit, text) = (Unit::parse(unit).map_err(QuantityError::Unit)?, unit);
@@ -66,7 +66,7 @@ pub fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<Measure
 /// Reads "0.129 .. 0.133 kg": two quantities, where a unit at the end serves both.
 ///
 /// # Errors
-/// As [`quantity`].
+/// Same as [`quantity`].
 pub fn range(text: &str, dimension: Dimension, gauge: bool) -> Result<[Measured; 2], QuantityError> {
     let (low, high) = text.split_once("..").ok_or(QuantityError::Number)?;
     let (_, shared) = split(high)?;
@@ -97,7 +97,7 @@ fn convert(number: &str, unit: Unit, text: &str, dimension: Dimension, gauge: bo
     }
 }
 
-/// The number times a power of ten, rounded once.
+/// The number times a power of ten, rounded only once.
 fn scaled(number: &str, power: i32) -> Option<f64> {
     let (mantissa, exponent) = match number.split_once(['e', 'E']) {
         Some((mantissa, exponent)) => (mantissa, exponent.parse::<i64>().ok()?),
@@ -144,15 +144,15 @@ fn split(text: &str) -> Result<(&str, &str), QuantityError> {
         }
     }
     let unit = text[end..].trim_start();
-    // "1,5 mm", "1 000 Pa", "1.2.3": another number where the unit should begin.
+    // "1,5 mm", "1 000 Pa", "1.2.3": another number begins where a unit should.
     if unit.starts_with(|c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '+' | '-' | '_')) {
         return Err(QuantityError::Number);
     }
     Ok((&text[..end], unit))
 }
 
-/// A number to so many significant digits without a tail of zeros, and with an exponent below 0.001 and from `large`
-/// on.
+/// Formats a number to `digits` significant digits without trailing zeros, in exponential form below 0.001 and from
+/// `large` upwards.
 pub fn rounded(value: f64, digits: usize, large: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..large).contains(&rounded.abs()) {

@@ -11,7 +11,7 @@ pub(crate) struct Unit {
     pub(crate) factor: f64,
     pub(crate) exponent: i32,
     pub(crate) offset: f64,
-    /// Whether the unit counts from ambient pressure.
+    /// Whether the unit is relative to ambient pressure.
     pub(crate) gauge: bool,
 }
 
@@ -21,10 +21,10 @@ pub enum UnitError {
     /// A symbol that is neither a unit nor a prefix with a unit.
     #[error("`{0}` is no unit known here")]
     Unknown(String),
-    /// A product after a division, which may be meant either way.
+    /// A multiplication after a division, which is ambiguous.
     #[error("`{0}` can be read in two ways: write a/(b c) or a/b/c")]
     Ambiguous(String),
-    /// Brackets, signs or exponents that do not add up.
+    /// Unbalanced brackets or invalid signs or exponents.
     #[error("`{0}` is no product of units")]
     Malformed(String),
 }
@@ -114,7 +114,7 @@ impl Unit {
         gauge: false,
     };
 
-    /// Reads a unit; the empty text is the unit of a plain number.
+    /// Parses a unit; an empty string means a plain number.
     pub(crate) fn parse(text: &str) -> Result<Self, UnitError> {
         let text = text.trim();
         if text.is_empty() {
@@ -149,6 +149,16 @@ impl Unit {
     }
 }
 
+impl Dimension {
+    /// The dimension of a unit; a plain number for the empty text.
+    ///
+    /// # Errors
+    /// [`UnitError`], the text is not a unit.
+    pub fn of_unit(unit: &str) -> Result<Self, UnitError> {
+        Unit::parse(unit).map(|unit| unit.dimension)
+    }
+}
+
 /// A pressure unit with the suffix g, as in psig, barg, kPag.
 fn gauge(text: &str) -> Option<Unit> {
     let unit = atom(text.strip_suffix('g')?)?;
@@ -174,7 +184,7 @@ fn atom(symbol: &str) -> Option<Unit> {
     })
 }
 
-/// Reads products and quotients of units with whole exponents.
+/// Parses products and quotients of units with integer exponents.
 struct Reader<'a> {
     text: &'a str,
     rest: &'a str,

@@ -6,27 +6,27 @@
 pub enum Value {
     /// A quantity in SI units.
     Number(f64),
-    /// A whole number above zero.
+    /// A positive integer.
     Count(u32),
     /// A switch.
     Switch(bool),
     /// The chosen word.
     Choice(&'static str),
-    /// A file, relative to the working folder; empty for none.
+    /// A file, relative to the working directory; empty if there is none.
     File(String),
 }
 
-/// A type that a key may have.
+/// A type that a key's value may have.
 pub trait Held: Sized {
-    /// The value as this type, if it is of this kind.
+    /// Converts a value to this type, if it is of the matching kind.
     fn from_value(value: &Value) -> Option<Self>;
-    /// This value, whatever its type.
+    /// Converts to a value.
     fn to_value(&self) -> Value;
 }
 
-/// A place for a value, whatever its type.
+/// A destination for a value of any type.
 pub trait Assign {
-    /// Takes a value if it is of this type's kind; whether it is.
+    /// Assigns a value if it is of the matching kind; returns whether it did.
     fn assign(&mut self, value: &Value) -> bool;
 }
 
@@ -69,14 +69,14 @@ macro_rules! choice {
         }
 
         impl $Choice {
-            /// All of them, in the order of their declaration.
+            /// All variants, in the order of their declaration.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
-            /// Their words.
+            /// The words of all variants.
             pub const WORDS: &'static [&'static str] = &[$($word),+];
             /// The kind of a key of this type.
             pub const KIND: $crate::Kind = $crate::Kind::Choice(Self::WORDS);
 
-            /// Its word.
+            /// The word of this variant.
             pub fn as_str(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)+

@@ -1,4 +1,4 @@
-//! Delivery of a run: its files in a folder, computed or restored from the store.
+//! Delivers a run: computes its files or restores them from the store.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use crate::study::StudySource;
 /// Name of the entries in the store with the artifacts of runs.
 const RUN: &str = "run";
 
-/// Puts a result into words.
+/// Formats a result as text.
 pub type Printer = fn(&RunResult) -> PrintedResult;
 
 /// A request for a run and its files.
@@ -34,41 +34,41 @@ pub struct Delivery<'a> {
     pub design: &'a Design,
     /// The folder for the files.
     pub folder: &'a Path,
-    /// The files on request.
+    /// Optional files.
     pub exports: Exports,
-    /// Whether a few draws are made for a design that no study serves.
+    /// Whether to make a few draws if no study applies to the design.
     pub screening: bool,
-    /// Puts the result into words.
+    /// Formats the result as text.
     pub printer: Printer,
     /// The store of the results.
     pub store: &'a Store,
-    /// The memory that the run may use.
+    /// The memory limit of the run.
     pub memory: MemoryLimit,
-    /// Target of the progress.
+    /// Where progress is reported.
     pub progress: &'a Progress,
 }
 
-/// A run whose files are in their places.
+/// A run whose files are in place.
 pub struct Delivered {
     /// Its artifacts.
     pub artifacts: RunArtifacts,
-    /// Whether the store contained it, so that nothing was computed.
+    /// Whether it came from the store, so that nothing was computed.
     pub unchanged: bool,
-    /// Why the files lack the intervals of its levels; none if they state them.
+    /// Why the files do not contain intervals of the levels; none if they do.
     pub incomplete: Option<Error>,
 }
 
 impl Delivery<'_> {
-    /// Runs the design and leaves its files in the folder, those of the exports among them: all of them, or the
-    /// folder as it was. Nothing is computed if the store contains the output of this very design and of its study.
+    /// Runs the design and writes its files, including the exports, to the folder; on failure, the folder is left
+    /// unchanged. Nothing is computed if the store contains the output for the same design and study.
     ///
-    /// The intervals are part of the result before the first file is written. If they need a screening, the files first
-    /// state that the screening has not ended, so that an interrupted command leaves a complete result. The files that
-    /// show intervals are then rendered again.
+    /// The intervals are part of the result before the first file is written. If they need a screening, the files are
+    /// first written with a note that the screening is in progress, so that an interrupted command leaves a complete
+    /// result. The files that show intervals are then rendered again.
     ///
     /// # Errors
-    /// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than the
-    /// memory. Those of [`Chain::run`](crate::chain::Chain::run), and [`Error::Write`] with the file that could not be
+    /// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before computing anything that exceeds the memory
+    /// limit. Those of [`Chain::run`](crate::chain::Chain::run), and [`Error::Write`] with the file that could not be
     /// written.
     pub fn deliver(&self) -> Result<Delivered, Error> {
         let Self {
@@ -79,7 +79,7 @@ impl Delivery<'_> {
             progress,
             ..
         } = *self;
-        // Also where no file differs and none is written.
+        // Also if no file differs and none is written.
         atomic_write::sweep(folder);
         let source = StudySource::find(store, design, self.screening);
         let key = key(design, exports, &source)?;
@@ -125,7 +125,7 @@ impl Delivery<'_> {
         };
         artifacts.take(of_study?);
         let place = || {
-            // Every file, whether or not it is the same as before: a comparison would cost more.
+            // Every file is written, even if unchanged, because comparing would take longer.
             let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
             artifacts.files.par_iter().try_for_each(write)?;
             pending.write(&staging)?;
@@ -152,7 +152,7 @@ impl Delivery<'_> {
         })
     }
 
-    /// Makes the screening of a run whose files have been written, and renders the files that show it again. Returns
+    /// Performs the screening of a run whose files have been written, and renders the files that show it again. Returns
     /// the error if these cannot be written.
     fn complete(
         &self,
@@ -176,7 +176,7 @@ impl Delivery<'_> {
         artifacts.printed = (self.printer)(result);
         artifacts.contradiction = result.study.contradiction();
         let placed = artifacts.restore(folder, &PendingFields::default(), &[]);
-        // A screening that failed is tried again by the next run.
+        // A failed screening is tried again by the next run.
         if result.study.known().is_some() {
             store.save::<_, Postcard>(RUN, &key(design, exports, &source)?, artifacts);
             store.take_notes().iter().for_each(|note| progress.note(note));
@@ -184,7 +184,7 @@ impl Delivery<'_> {
         Ok(placed.err())
     }
 
-    /// Runs the design and the exports of its bodies side by side. Files of fields that are new are written at once.
+    /// Runs the design and the exports of its bodies in parallel. New files of fields are written at once.
     fn compute(&self, staging: &AtomicWrite) -> Result<ComputedRun, Error> {
         let Self { design, exports, .. } = *self;
         let graph = Graph::new(Arc::new(self.store.clone()), self.progress.observer());
@@ -194,7 +194,7 @@ impl Delivery<'_> {
             cycle: chain.cycle.clone(),
             films: exports.films,
         });
-        // The cycle's tables are the longest of all.
+        // The cycle's tables take longest.
         let of_cycle = || output::of_cycle(&*chain.cycle.get()?, exports);
         let files = || field_files(&fields, self.folder, staging, self.store);
         thread::scope(|scope| {
@@ -218,14 +218,14 @@ impl Delivery<'_> {
     }
 }
 
-/// A run with the inputs of its files.
+/// A run, with the inputs of its files.
 struct ComputedRun {
     reported: ReportedRun,
     of_cycle: Vec<File>,
     fields: (FieldFiles, PendingFields),
 }
 
-/// Everything the files depend on: all values, their texts, which files are requested, and the study.
+/// Everything that the files depend on: all values and their texts, the files requested, and the study.
 fn key(design: &Design, exports: Exports, study: &StudySource) -> Result<Digest, Error> {
     let entries: Vec<_> = design
         .entries()
@@ -241,9 +241,9 @@ fn key(design: &Design, exports: Exports, study: &StudySource) -> Result<Digest,
             )
         })
         .collect();
-    // The report has the design's text in its head.
+    // The head of the report contains the text of the design.
     let entries = serde_json::to_string(&(entries, design.report(), exports)).map_err(Error::Json)?;
-    // The digest follows the content of the files that the design names.
+    // The digest depends on the contents of the files named by the design.
     Ok(program_key()
         .with(design.name())
         .with(&design.digest())

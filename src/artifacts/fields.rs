@@ -1,4 +1,5 @@
-//! Files of the fields of a run: rendered from inputs that are stored once for all runs whose bodies move alike.
+//! Files of the fields of a run, rendered from inputs that are stored once for all runs with the same motion of the
+//! bodies.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,8 +18,8 @@ use crate::store::{Checksum, Store, checksum};
 /// Name of the entries in the store with the checksums of the files.
 const CHECKSUMS: &str = "checksums of fields";
 
-/// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies
-/// move alike: their inputs are stored once, and files in place are not touched.
+/// Paths and checksums of the files of [`Fields`]. They make up most of a run's bytes and are the same for all runs
+/// with the same motion of the bodies, so their inputs are stored once, and files already in place are not touched.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct FieldFiles {
     /// Key of the fields in the store.
@@ -42,7 +43,7 @@ impl FieldFiles {
         })
     }
 
-    /// Those that are not in their places under a folder.
+    /// Those that are not in place in a folder.
     fn missing(&self, folder: &Path) -> Vec<usize> {
         let there = |bytes: &mut Vec<u8>, (path, expected): &(PathBuf, Checksum)| {
             bytes.clear();
@@ -53,7 +54,7 @@ impl FieldFiles {
         (0..there.len()).filter(|&file| !there[file]).collect()
     }
 
-    /// Those that are not in their places, and their inputs from the store; nothing if it has lost them.
+    /// Those that are not in place, with their inputs from the store; nothing if the store no longer has them.
     pub(super) fn pending(&self, folder: &Path, store: &Store) -> Option<PendingFields> {
         let missing = self.missing(folder);
         if missing.is_empty() {
@@ -68,7 +69,7 @@ impl FieldFiles {
     }
 }
 
-/// Files of fields that are to be put in their places.
+/// Files of fields that must be put in place.
 #[derive(Default)]
 pub(super) struct PendingFields {
     missing: Vec<usize>,
@@ -76,7 +77,7 @@ pub(super) struct PendingFields {
 }
 
 impl PendingFields {
-    /// Whether all files are in their places.
+    /// Whether all files are in place.
     pub(super) fn is_empty(&self) -> bool {
         self.missing.is_empty()
     }
@@ -92,7 +93,7 @@ impl PendingFields {
     }
 }
 
-/// Paths and checksums of the files of fields, and those that are to be rendered. Files that are not in the store are
+/// Paths and checksums of the files of fields, and those that must be rendered. Files that are not in the store are
 /// rendered at once.
 pub(super) fn field_files(
     fields: &Stored<Fields>,
@@ -101,7 +102,7 @@ pub(super) fn field_files(
     store: &Store,
 ) -> Result<(FieldFiles, PendingFields), Error> {
     let key = fields.key();
-    // Its layout is of this file, which is not in the key of the fields.
+    // The layout is defined by this file, which is not part of the fields' key.
     let of_checksums = program_key().with(key).digest();
     if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, &of_checksums) {
         let missing = files.missing(folder);

@@ -1,4 +1,4 @@
-//! All artifacts of a run as one value, stored from run to run: an unchanged design is not computed again.
+//! All artifacts of a run as one value, stored between runs, so that an unchanged design is not recomputed.
 
 mod delivery;
 mod fields;
@@ -25,20 +25,20 @@ pub use reported::ReportedRun;
 pub struct RunArtifacts {
     /// `result.json`.
     pub json: String,
-    /// The result as a terminal shows it.
+    /// The result as shown in a terminal.
     pub printed: PrintedResult,
     /// The checks of the computation.
     pub checks: Vec<Check>,
-    /// The check that fails if the design contradicts the draws of its study.
+    /// A check that fails if the design is inconsistent with the draws of its study.
     pub contradiction: Option<Check>,
     files: Vec<File>,
     fields: FieldFiles,
 }
 
-/// A result as a terminal shows it.
+/// A result as shown in a terminal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PrintedResult {
-    /// The headline of a shot that does not drive.
+    /// The headline of a shot that does not drive its nail.
     pub headline: Option<Headline>,
     /// Levels with their intervals, and the declaration.
     pub levels: String,
@@ -51,7 +51,7 @@ pub struct PrintedResult {
 }
 
 impl RunArtifacts {
-    /// Takes files in place of those with the same paths.
+    /// Replaces the files that have the same paths.
     fn take(&mut self, files: Vec<File>) {
         self.files
             .retain(|own| files.iter().all(|other| other.path != own.path));
@@ -60,7 +60,7 @@ impl RunArtifacts {
         self.json = json.map_or_else(String::new, |file| String::from_utf8_lossy(&file.content).into_owned());
     }
 
-    /// Writes the files that differ from those in `folder`, and nothing if all are in their places.
+    /// Writes the files that differ from those in `folder`; writes nothing if all are in place.
     fn restore(&self, folder: &Path, fields: &PendingFields, outdated: &[PathBuf]) -> Result<(), Error> {
         let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content);
         let mut differing: Vec<&File> = self.files.par_iter().filter(differs).collect();

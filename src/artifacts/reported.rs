@@ -1,4 +1,4 @@
-//! A run with the inputs of its report.
+//! A run, with the inputs of its report.
 
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ use crate::run::Run;
 use crate::stages::Stored;
 use crate::study::StudySource;
 
-/// The microphone whose sound the report contains, counted from 0: in front of the device, half way up.
+/// Index of the microphone whose sound is in the report: in front of the device, at half height.
 const IN_THE_REPORT: usize = 0;
 
-/// A run with the inputs of its report.
+/// A run, with the inputs of its report.
 pub struct ReportedRun {
     /// The run.
     pub run: Run,
@@ -25,7 +25,7 @@ pub struct ReportedRun {
 }
 
 impl ReportedRun {
-    /// Runs a design and writes no file. The result states what the source of its study knows.
+    /// Runs a design without writing files. The result includes what is known about its study.
     ///
     /// # Errors
     /// Those of [`Chain::run`].
@@ -42,7 +42,7 @@ impl ReportedRun {
         made().map_err(|error| located(design, error))
     }
 
-    /// With the sounds of a run.
+    /// Adds the sounds of a run.
     pub(super) fn of(run: Run, pictures: Arc<Pictures>) -> Result<Self, Error> {
         let sounds = output::sounds(&run, IN_THE_REPORT)?;
         let named = run.microphones.signals.iter().zip(sounds);
@@ -57,10 +57,15 @@ impl ReportedRun {
         })
     }
 
-    /// States in the result what the source of its study knows.
+    /// Adds what is known about the study to the result.
     pub fn state(&mut self, design: &Design, study: &StudySource) {
         let study = study.of_run(design, &self.run.result);
         self.run.result.state_study(study);
+    }
+
+    /// The sound of all sources together in the report.
+    pub fn sound_of_all(&self) -> Option<&Recording> {
+        self.recordings.first()
     }
 
     /// The report, by the current state of the result.
@@ -68,7 +73,7 @@ impl ReportedRun {
         report::run(design, &self.run, &self.pictures, &self.recordings)
     }
 
-    /// Lets outputs see the run.
+    /// Gives outputs access to the run.
     pub(super) fn show<T>(&self, design: &Design, exports: Exports, outputs: impl FnOnce(&RunView<'_>) -> T) -> T {
         outputs(&RunView {
             design,
@@ -79,7 +84,7 @@ impl ReportedRun {
     }
 }
 
-/// The chain of a design whose bodies a run can use, and the pictures of its report.
+/// The chain of a design whose bodies can be used in a run, and the pictures of its report.
 pub(super) fn with_pictures(graph: &Graph, design: &Design) -> Result<(Chain, Stored<Pictures>), Error> {
     let chain = Chain::new(graph, design, Options::default())?;
     let pictures = graph.add(BodyPictures {

@@ -1,4 +1,4 @@
-//! Why a design cannot be calibrated, with the place in the file of measurements and the remedy.
+//! Errors of a calibration, with the place in the measurement file and the remedy.
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -16,16 +16,16 @@ pub enum CalibrationError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system.
+        /// Error of the operating system.
         cause: String,
     },
-    /// The file is not TOML.
+    /// The file is not valid TOML.
     #[error(transparent)]
     Document(#[from] DocumentError),
     /// A key of the file is wrong, missing or unknown.
     #[error(transparent)]
     Key(#[from] KeyError),
-    /// `--hold-out` names no measurement.
+    /// `--hold-out` does not name a measurement.
     #[error("--hold-out: there is no measurement `{name}`")]
     HeldOut {
         /// The name given.
@@ -33,26 +33,32 @@ pub enum CalibrationError {
         /// All names.
         known: String,
     },
-    /// Errors that cannot be correlated as stated.
+    /// The stated correlations of errors are impossible.
     #[error(transparent)]
     Likelihood(#[from] LikelihoodError),
-    /// No candidate has the outcomes that were observed.
+    /// No candidate has the observed outcomes.
     #[error("none of {candidates} candidates shows the outcomes that were observed")]
     NothingAccepted {
         /// Candidates drawn.
         candidates: u64,
-        /// The first condition that each candidate failed, and its outcome there, with their numbers.
+        /// For each condition and outcome, the number of candidates that failed there first.
         outcomes: String,
     },
-    /// Too few candidates for the halves of the sampler.
+    /// There are too few candidates for the two halves of the sampler.
     #[error("only {accepted} of {candidates} candidates show the outcomes that were observed; {wanted} are needed")]
     TooFewAccepted {
         /// Accepted candidates.
         accepted: usize,
         /// Candidates drawn.
         candidates: u64,
-        /// Draws asked for.
+        /// Draws requested.
         wanted: usize,
+    },
+    /// The design has joint draws already.
+    #[error("the design is calibrated already, with {measured}")]
+    Calibrated {
+        /// The file of measurements.
+        measured: String,
     },
     /// No key of the design that takes part in the cycle has a range.
     #[error("no key that takes part in the nailing cycle has a range, so that there is nothing to calibrate")]
@@ -84,6 +90,9 @@ impl Diagnostic for CalibrationError {
             )),
             Self::TooFewAccepted { .. } => {
                 Box::new("reduce --draws, leave out outcomes, or narrow the ranges of the design by `direct`")
+            }
+            Self::Calibrated { .. } => {
+                Box::new("calibrate its base with all measurements in one file: draws are not drawn from draws")
             }
             Self::NoVariables => Box::new("give keys a range, as { value = \"131 g\", range = \"+-5 %\" }"),
         })

@@ -5,21 +5,27 @@ use std::path::Path;
 
 use super::posterior::Posterior;
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
-use crate::design::{Design, Value};
+use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;
 use crate::output;
+use crate::study::code_of_joint_draws;
+
+/// Name of the file with the joint draws.
+pub const JOINT: &str = "calibrated.draws";
 
 /// Contents of the files.
 pub struct Files {
-    /// `posterior.csv`: a row for each draw.
+    /// `posterior.csv`: one row per draw.
     pub draws: Vec<u8>,
+    /// `calibrated.draws`: the draws of the keys.
+    pub joint: Vec<u8>,
     /// `calibrated.toml`, which names its base relative to a folder; as text without its first line.
     design: String,
     base: std::path::PathBuf,
 }
 
 impl Files {
-    /// The calibrated design as a file in a folder.
+    /// The calibrated design as a file in the given folder.
     pub fn design(&self, folder: &Path) -> String {
         let base = std::path::absolute(&self.base).unwrap_or_else(|_| self.base.clone());
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
@@ -28,14 +34,14 @@ impl Files {
     }
 }
 
-/// A path relative to a folder, both absolute, with slashes.
+/// A path relative to a folder (both absolute), with forward slashes.
 fn relative(path: &Path, folder: &Path) -> String {
     let common = path
         .components()
         .zip(folder.components())
         .take_while(|(a, b)| a == b)
         .count();
-    // Two drives of Windows have nothing in common.
+    // Different drives of Windows have no common parent.
     if common == 0 {
         return path.to_string_lossy().into_owned();
     }
@@ -50,7 +56,7 @@ fn relative(path: &Path, folder: &Path) -> String {
 /// The files of a posterior.
 ///
 /// # Errors
-/// [`Error::Table`], if rows differ in length.
+/// [`Error::Table`] if rows differ in length.
 pub(super) fn files(
     posterior: &Posterior,
     design: &Design,
@@ -71,18 +77,29 @@ pub(super) fn files(
     });
     Ok(Files {
         draws: output::table(header, rows)?,
+        joint: serde_json::to_vec(&joint(posterior, result, table)).map_err(Error::Json)?,
         design: calibrated(design, result, &moved),
         base: design.path().to_owned(),
     })
+}
+
+/// The draws of the keys, in the order of the table.
+pub(super) fn joint(posterior: &Posterior, result: &CalibrationResult, table: &Table) -> JointDraws {
+    let keys = posterior.tool.keys();
+    let rows = table.rows.iter().map(|row| row[..keys].to_vec());
+    JointDraws::new(
+        result.measured.clone(),
+        code_of_joint_draws(),
+        table.names[..keys].to_vec(),
+        rows.collect(),
+    )
 }
 
 /// The design file without its base.
 fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>]) -> String {
     let mut text = format!(
         "# {} calibrated with {}: {} draws, seed {}.\n\
-         # Values are those of the draw in the middle of all; ranges are 95 % of the draws of each key alone.\n\
-         # The draws are correlated: a study of this file draws the keys independently, so that its intervals are\n\
-         # wider than those of the draws in posterior.csv.\n",
+         # Values are those of the draw in the middle of all; ranges contain the draws of each key.\n",
         design.name(),
         result.measured,
         result.draws,
@@ -91,8 +108,9 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     if !result.converged {
         text.push_str("# The sampler had not converged.\n");
     }
+    let _ = writeln!(text, "study.draws = \"{JOINT}\"");
     let entries = design.entries();
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     for own in moved {
         let [low, high] = own.ends;
         let with = |unit: &str| {
@@ -137,7 +155,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     text
 }
 
-/// A value as TOML, with its unit.
+/// Formats a value as TOML, with its unit.
 fn shown(value: &Value, unit: &str) -> String {
     match value {
         Value::Count(count) => count.to_string(),

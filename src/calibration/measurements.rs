@@ -1,4 +1,4 @@
-//! Measurements of a tool: conditions, instruments and readings, in SI units, without their file.
+//! Measurements of a tool: conditions, instruments and readings in SI units, independent of their file.
 
 use nailnoise_calibration::likelihood::Reading;
 
@@ -6,9 +6,9 @@ use super::quantities::Quantity;
 use crate::design::Design;
 
 /// What a user measured.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Measurements {
-    /// Keys whose values were measured.
+    /// Keys that were measured directly.
     pub(super) direct: Vec<Direct>,
     /// Names of the instruments.
     pub(super) instruments: Vec<String>,
@@ -18,7 +18,7 @@ pub(super) struct Measurements {
     pub(super) data: Vec<Measured>,
     /// Correlations of their errors.
     pub(super) correlations: Vec<Correlation>,
-    /// Assumptions about readings that a user should know.
+    /// Assumptions about readings that the user should know.
     pub(super) notes: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Direct {
     pub(super) deviation: f64,
 }
 
-/// Shots under the same values.
+/// Shots with the same settings.
 #[derive(Debug, Clone)]
 pub(super) struct Condition {
     pub(super) name: String,
@@ -40,17 +40,17 @@ pub(super) struct Condition {
     pub(super) design: Design,
     /// Keys that were set.
     pub(super) set: Vec<String>,
-    /// Set values that an instrument showed.
+    /// Settings that were read from an instrument.
     pub(super) shown: Vec<Shown>,
-    /// Outcomes that each shot may have had; empty if none was noted.
+    /// Outcomes that a shot may have had; empty if none was noted.
     pub(super) outcomes: Vec<&'static str>,
 }
 
-/// A set value that an instrument showed: the true value differs by the instrument's error.
+/// A setting read from an instrument: the true value differs by the instrument's error.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shown {
     pub(super) key: String,
-    /// Number of the instrument.
+    /// Index of the instrument.
     pub(super) instrument: usize,
     /// Standard deviation of the value.
     pub(super) deviation: f64,
@@ -60,22 +60,22 @@ pub(super) struct Shown {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Measured {
     pub(super) name: String,
-    /// Number of the condition.
+    /// Index of the condition.
     pub(super) condition: usize,
     pub(super) quantity: Quantity,
     pub(super) reading: Reading,
-    /// Standard deviation of the independent error of the mean of all shots, scatter of shots among it.
+    /// Standard deviation of the independent error of the mean over all shots, including the scatter of shots.
     pub(super) error: f64,
     /// Standard deviation of the model's error.
     pub(super) discrepancy: f64,
-    /// Error that it shares with other readings of its instrument.
+    /// Error shared with other readings of the same instrument.
     pub(super) instrument: Option<InstrumentError>,
 }
 
 /// The error of an instrument in a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct InstrumentError {
-    /// Number of the instrument.
+    /// Index of the instrument.
     pub(super) instrument: usize,
     /// Standard deviation in the unit of the reading.
     pub(super) deviation: f64,
@@ -84,7 +84,7 @@ pub(super) struct InstrumentError {
 /// Correlated errors of readings.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Correlation {
-    /// Numbers of the readings.
+    /// Indices of the readings.
     pub(super) data: Vec<usize>,
     pub(super) r: f64,
 }

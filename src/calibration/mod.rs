@@ -1,11 +1,12 @@
-//! Calibration: the ranges of a design conditioned on what a user measured of the tool.
+//! Calibration: conditions the ranges of a design on the user's measurements of the tool.
 //!
-//! The crate `nailnoise-calibration` samples; here are the file of measurements, the quantities of the cycle, the tool
-//! as a simulator, and the result with its files.
+//! The crate `nailnoise-calibration` does the sampling; this module contains the measurement file, the quantities of
+//! the cycle, the tool as a simulator, and the result with its files.
 
 mod error;
 mod files;
 mod measurements;
+mod next;
 mod posterior;
 mod quantities;
 mod reader;
@@ -18,35 +19,47 @@ mod twins;
 use std::path::Path;
 
 pub use error::CalibrationError;
-pub use files::Files;
+pub use files::{Files, JOINT};
+pub use next::NextRow;
 pub use posterior::{Request, Treatment, Work};
 pub use result::{CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, PairRow, Verdict};
 
 use crate::design::{Assignment, Design};
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::stages::{Progress, code};
 use crate::store::{Key, Store};
 
-/// Calibrates the design in a file, with further assignments, by the measurements in another file.
+/// Name of the measurements where there are none.
+const NO_MEASUREMENTS: &str = "no measurements";
+
+/// Calibrates the design in a file, with further assignments, by the measurements in another file. Without measurements
+/// the draws are those of the ranges.
 ///
-/// Finished blocks of candidates and finished moves of the sampler are stored, so that the same call continues an
+/// Completed blocks of candidates and completed moves of the sampler are stored, so that repeating the call resumes an
 /// interrupted one.
 ///
 /// # Errors
-/// The first fault of the design or of the measurements, with its place; no candidate with the observed outcomes.
+/// The first fault in the design or the measurements, with its place; or if no candidate has the observed outcomes.
 pub fn calibrate(
     store: &Store,
     design: &Design,
     assignments: &[Assignment],
-    measured: &Path,
+    measured: Option<&Path>,
     request: &Request,
     progress: &Progress,
 ) -> Result<(CalibrationResult, Files), Error> {
-    let document = reader::text(measured)?;
+    if let Some(joint) = &design.study().draws {
+        let measured = joint.measured.clone();
+        return Err(CalibrationError::Calibrated { measured }.into());
+    }
     let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
     let reader = reader::Reader { design, with: &with };
-    let file = measured.display().to_string();
-    let measured = reader.read(&document)?;
+    let file = measured.map_or_else(|| NO_MEASUREMENTS.to_owned(), |path| path.display().to_string());
+    let measured = match measured {
+        Some(path) => reader.read(&reader::text(path)?)?,
+        None => measurements::Measurements::default(),
+    };
     let held_out = request.hold_out.iter().map(|name| {
         let known = measured.data.iter().map(|own| own.name.as_str());
         known
@@ -69,12 +82,23 @@ pub fn calibrate(
         progress,
     };
     let posterior = calibration.posterior(held_out)?;
-    let (result, table) = result::result(&posterior, design, &measured, request, &file);
+    let (mut result, table) = result::result(&posterior, design, &measured, request, &file);
+    if let Some(count) = request.next {
+        let levelled = next::Levelled {
+            tool: &posterior.tool,
+            design,
+            joint: files::joint(&posterior, &result, &table),
+            table: &table,
+            points: posterior.state.particles.iter().map(|own| own.z.as_slice()).collect(),
+        };
+        let graph = Graph::quiet(store, progress.observer());
+        result.next = levelled.next(&graph, count, request.seed, progress)?;
+    }
     let files = files::files(&posterior, design, &result, &table)?;
     Ok((result, files))
 }
 
-/// Key of candidates and draws: everything but the readings that count.
+/// Key of candidates and draws: everything except which readings are used.
 fn key(design: &Design, tool: &tool::Tool, measured: &measurements::Measurements, request: &Request) -> Key {
     let variables: Vec<String> = tool.sampler.variables().iter().map(|own| format!("{own:?}")).collect();
     let conditions: Vec<String> = measured.conditions.iter().map(|own| own.design.digest()).collect();

@@ -1,15 +1,16 @@
-//! The posterior of a tool's inputs, and what became of readings that contradict each other.
+//! The posterior of a tool's inputs, and the treatment of readings that contradict each other.
 //!
-//! A posterior is never sharpened through a conflict. Readings that no candidate comes near are left out first. Then
-//! the sampler runs. While a reading has a predictive probability below 1 % by the others, it is left out, with its
-//! partner if the two contradict only each other, and the sampler runs again. With widening, the errors of these
-//! readings are multiplied in the end by the factor with which they agree.
+//! A conflict never makes a posterior narrower. Readings that no candidate approaches are excluded first. Then the
+//! sampler runs. As long as the predictive probability of a reading given the others is below 1 %, it is excluded,
+//! together with its partner if the two contradict only each other, and the sampler runs again. With widening, the
+//! errors of these readings are finally multiplied by the factor at which they agree.
 
 use std::collections::BTreeMap;
 
+use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::conflict::{self, Conflict, Pressed, Unreached};
 use nailnoise_calibration::likelihood::Likelihood;
-use nailnoise_calibration::sampler::{Diagnostics, Sampler, Settings, State};
+use nailnoise_calibration::sampler::{Diagnostics, Particle, Sampler, Settings, State};
 use nailnoise_calibration::statistics::log_mean_exp;
 
 use super::measurements::Measurements;
@@ -19,38 +20,44 @@ use crate::error::Error;
 use crate::stages::{Digest, Postcard, Progress};
 use crate::store::{Key, Store};
 
-/// Names of its entries in the store.
+/// Names of its store entries.
 const START: &str = "candidates of a calibration";
 const STATE: &str = "draws of a calibration";
 
-/// Blocks of candidates between two entries in the store.
+/// Number of blocks of candidates between two store entries.
 const BLOCKS: u64 = 16;
 
-/// Most readings that are left out for conflicts.
+/// Largest number of readings excluded because of conflicts.
 const MOST_CONFLICTS: usize = 8;
+
+/// Fewest candidates whose ends are counted for a reading that is not reached: chance brings more than a quarter of 40
+/// to the last twentieth of a range once in 300 000 times.
+const NEAREST: usize = 40;
 
 /// What is done with readings that contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Treatment {
-    /// They are left out of the posterior.
+    /// They are excluded from the posterior.
     LeaveOut,
     /// Their errors are widened until they agree.
     Widen,
 }
 
-/// How a design is calibrated.
+/// Settings of a calibration.
 #[derive(Debug, Clone)]
 pub struct Request {
     /// Number of draws from the posterior; even.
     pub draws: usize,
-    /// Most moves of a step of the sampler.
+    /// Largest number of moves per step of the sampler.
     pub moves: usize,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Names of measurements that are predicted only.
+    /// Names of measurements that are only predicted.
     pub hold_out: Vec<String>,
-    /// What is done with conflicts.
+    /// Treatment of conflicts.
     pub treatment: Treatment,
+    /// Number of draws whose levels are computed to find what to measure next; none if that is not asked.
+    pub next: Option<usize>,
 }
 
 /// A conflict that was found.
@@ -60,19 +67,19 @@ pub(super) struct Found {
     pub(super) partner: Option<usize>,
     /// Predictive probability of the reading, given the other readings; 0 if no candidate reaches it.
     pub(super) probability: f64,
-    /// The nearest candidate of a reading that is not reached.
+    /// The nearest candidate, for a reading out of reach.
     pub(super) unreached: Option<Unreached>,
-    /// Inputs and shared errors that the draws with both readings press against their ends.
+    /// Inputs and shared errors that the draws with both readings press against the ends of their ranges.
     pub(super) pressed: Vec<Pressed>,
-    /// Proposals of the last step that were refused for their outcome.
+    /// Proposals of the last step that were rejected because of their outcome.
     pub(super) refusals: BTreeMap<String, u64>,
-    /// Rise of the log evidence when the readings are left out.
+    /// Increase in log evidence if the readings are excluded.
     pub(super) gain: Option<f64>,
     /// Factor by which the errors were widened.
     pub(super) factor: Option<f64>,
 }
 
-/// Draws from a posterior, and where they come from.
+/// Draws from a posterior, and their origin.
 pub(super) struct Posterior {
     pub(super) tool: Tool,
     pub(super) start: Start,
@@ -80,30 +87,30 @@ pub(super) struct Posterior {
     pub(super) state: State,
     pub(super) diagnostics: Diagnostics,
     pub(super) conflicts: Vec<Found>,
-    /// Numbers of the readings that the user held out.
+    /// Indices of the readings held out by the user.
     pub(super) held_out: Vec<usize>,
-    /// Points and cycles of all runs of the sampler.
+    /// Work counters over all runs of the sampler.
     pub(super) work: Work,
 }
 
-/// Work of the sampler.
+/// Work counters of the sampler.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Work {
-    /// Runs of the sampler: one, and another after each conflict.
+    /// Runs of the sampler: one, plus one after each conflict.
     pub runs: u64,
-    /// Points that were simulated.
+    /// Number of points simulated.
     pub likelihoods: u64,
-    /// Nailing cycles of these.
+    /// Number of nailing cycles among these.
     pub cycles: u64,
 }
 
-/// A calibration on its way.
+/// A calibration in progress.
 pub(super) struct Calibration<'a> {
     pub(super) tool: Tool,
     pub(super) measured: &'a Measurements,
     pub(super) request: &'a Request,
     pub(super) store: &'a Store,
-    /// Key of everything but the readings that count.
+    /// Key of everything except which readings are used.
     pub(super) key: Key,
     pub(super) progress: &'a Progress,
 }
@@ -116,10 +123,10 @@ struct Ran {
 }
 
 impl Calibration<'_> {
-    /// Draws from the posterior, with the readings `held_out` only predicted.
+    /// Draws from the posterior; the readings `held_out` are only predicted.
     ///
     /// # Errors
-    /// No candidates; correlations that are not possible.
+    /// If there are no candidates or the correlations are impossible.
     pub(super) fn posterior(self, held_out: Vec<usize>) -> Result<Posterior, Error> {
         let start = self.start(&held_out)?;
         let mut left_out = held_out.clone();
@@ -153,6 +160,7 @@ impl Calibration<'_> {
             }
             ran = self.run(&start, &held_out, &factors, &mut work)?;
         }
+        shuffle(&mut ran.state.particles, self.request.seed);
         Ok(Posterior {
             tool: self.tool,
             start,
@@ -188,7 +196,7 @@ impl Calibration<'_> {
         Ok(start)
     }
 
-    /// Readings beyond all candidates.
+    /// Readings out of reach of all candidates.
     fn unreached(&self, start: &Start, held_out: &[usize]) -> Result<Vec<Found>, Error> {
         let likelihood = likelihood(&self.tool, self.measured, held_out, &BTreeMap::new())?;
         let counting = (0..likelihood.data().len()).filter(|&k| likelihood.data()[k].counts);
@@ -236,7 +244,7 @@ impl Calibration<'_> {
         };
         sampler.run(&mut state, |state| {
             self.store.save::<_, Postcard>(STATE, &key, state);
-            // Steps of tau are about equal in its logarithm: the share done is known only at the end.
+            // Steps of tau are roughly uniform in its logarithm, so the fraction completed is only known at the end.
             let last = state.steps.last().map_or(0, |step| step.moves);
             self.progress
                 .done((last as u64).min(settings.moves as u64), settings.moves as u64);
@@ -250,6 +258,18 @@ impl Calibration<'_> {
             state,
         })
     }
+}
+
+/// Brings particles in random order: neighbours descend from the same candidates.
+fn shuffle(particles: &mut Vec<Particle>, seed: u64) {
+    /// Apart from the seeds of the sampler.
+    const ORDER: u64 = 0x5EED_0BDE_12AD;
+    let mut keyed: Vec<(f64, Particle)> = (0..)
+        .zip(particles.drain(..))
+        .map(|(place, own)| (uniform(seed ^ ORDER, place, 0), own))
+        .collect();
+    keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    particles.extend(keyed.into_iter().map(|(_, own)| own));
 }
 
 fn named(tool: &Tool, found: Conflict, ran: &Ran) -> Found {
@@ -267,7 +287,8 @@ fn named(tool: &Tool, found: Conflict, ran: &Ran) -> Found {
     }
 }
 
-/// Ends to which the twentieth of the candidates nearest to a reading is pressed.
+/// Ends to which the candidates nearest to a reading are pressed: a twentieth of all, and enough that chance does not
+/// bring a quarter of them to an end.
 fn nearest_ends(tool: &Tool, likelihood: &Likelihood, start: &Start, datum: usize) -> Vec<Pressed> {
     let settings = Settings { moves: 0, seed: 0 };
     let mut particles = Sampler::new(tool, likelihood, settings)
@@ -279,7 +300,7 @@ fn nearest_ends(tool: &Tool, likelihood: &Likelihood, start: &Start, datum: usiz
         let [a, b] = [a, b].map(|own| distance(own.predictions[datum].value()));
         a.total_cmp(&b)
     });
-    particles.truncate((particles.len() / 20).max(1));
+    particles.truncate((particles.len() / 20).max(NEAREST));
     let weights = vec![1.0 / particles.len() as f64; particles.len()];
     conflict::at_ends(&particles, &weights, &[])
 }

@@ -1,4 +1,4 @@
-//! Quantities of a shot that a user can measure: their names, predictions, and errors of model and repeats by default.
+//! Quantities of a shot that a user can measure: their names, predictions, and default errors of model and repeats.
 
 use nailnoise_calibration::likelihood::Prediction;
 use nailnoise_dynamics::{Ambient, CycleRecord, Volume};
@@ -8,7 +8,7 @@ use nailnoise_quantities::dimension::{LENGTH, PRESSURE, TIME, VELOCITY, VOLUME};
 /// Events whose times a user can state: t0 to t18.
 const EVENTS: usize = 19;
 
-/// First event of the return stroke: one that is missing may be beyond the record.
+/// First event of the return stroke; a missing one may lie beyond the record.
 const RETURN: usize = 12;
 
 /// Last event of the drive.
@@ -17,8 +17,8 @@ const DRIVEN: usize = 9;
 /// End of a record from which only the drive is read \[s\].
 const END_OF_DRIVE: f64 = 45e-3;
 
-/// Least end of a record from which the return stroke is read \[s\]: at 100 ms the piston of every second draw that
-/// drives has not reached its stopper.
+/// Shortest record for quantities of the return stroke \[s\]: by 100 ms, the piston has not reached its stopper in half
+/// of the draws that drive the nail.
 const END_OF_RETURN: f64 = 115e-3;
 
 /// A chamber of the tool.
@@ -61,7 +61,7 @@ pub(super) enum Moment {
     Time(f64),
 }
 
-/// The number of an event by its name, as `t6`.
+/// The number of an event from its name, such as `t6`.
 pub(super) fn event(name: &str) -> Option<usize> {
     name.strip_prefix('t')?.parse().ok().filter(|&number| number < EVENTS)
 }
@@ -71,7 +71,7 @@ pub(super) fn event(name: &str) -> Option<usize> {
 pub(super) enum Quantity {
     /// Depth of the nail's head below the surface \[m\].
     HeadDepth,
-    /// Free air that leaves the tool in one shot \[m3\].
+    /// Free air that leaves the tool during one shot \[m3\].
     AirPerShot,
     /// Time between two events \[s\].
     Interval { from: usize, to: usize },
@@ -85,7 +85,7 @@ pub(super) enum Quantity {
     Pressure(Chamber, Moment),
     /// Largest absolute pressure of a chamber \[Pa\].
     PeakPressure(Chamber),
-    /// Fall of the supply pressure below its first value \[Pa\].
+    /// Drop of the supply pressure below its initial value \[Pa\].
     SupplyDrop,
 }
 
@@ -102,10 +102,10 @@ pub(super) const NAMES: [&str; 9] = [
     "supply_drop",
 ];
 
-/// Names of quantities that a later version may calibrate with.
+/// Names of quantities that a later version may support.
 pub(super) const NOT_BUILT: [&str; 5] = ["rms_acceleration", "peak_acceleration", "mode", "loss_factor", "level"];
 
-/// An error of the model, or the scatter of repeats: a share of the measured value and an amount in its unit.
+/// An error of the model, or the scatter of repeats: a fraction of the measured value plus an amount in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spread {
     pub(super) share: f64,
@@ -119,7 +119,7 @@ impl Spread {
     }
 }
 
-/// Predictions that the model misses together.
+/// Groups of predictions with a common model error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Family {
     HeadDepths,
@@ -151,6 +151,19 @@ impl Quantity {
         }
     }
 
+    /// Whether it is never below 0.
+    pub(super) fn is_positive(self) -> bool {
+        !matches!(self, Self::HeadDepth | Self::PistonTravel(_))
+    }
+
+    /// The time from the trigger pull at which it is read, if it is not read at an event \[s\].
+    pub(super) fn time(self) -> Option<f64> {
+        match self {
+            Self::PistonTravel(Moment::Time(time)) | Self::Pressure(_, Moment::Time(time)) => Some(time),
+            _ => None,
+        }
+    }
+
     /// Whether a gauge pressure is meant as an absolute one.
     pub(super) fn is_absolute_pressure(self) -> bool {
         matches!(self, Self::Pressure(..) | Self::PeakPressure(_))
@@ -158,8 +171,9 @@ impl Quantity {
 
     /// Standard deviation of the model's error at a measured value.
     ///
-    /// Published comparisons of the model: times 2.6 % rms but for the drive, 14 % of the mean speed with the law's own
-    /// range an input, pressures above the piston 7.5 % rms. Depth, speed before impact and travel are estimates.
+    /// From published comparisons of the model: times differ by 2.6 % rms except for the drive; mean speed by 14 % with
+    /// the law's own range as an input; pressures above the piston by 7.5 % rms. The values for depth, speed before
+    /// impact and travel are estimates.
     pub(super) fn discrepancy(self, value: f64) -> f64 {
         let spread = |share: f64, amount: f64| Spread { share, amount }.at(value);
         match self {
@@ -176,7 +190,7 @@ impl Quantity {
         }
     }
 
-    /// Standard deviation of repeated shots at a measured value, where the file states none.
+    /// Standard deviation between repeated shots at a measured value, if the file does not state it.
     pub(super) fn scatter(self, value: f64) -> f64 {
         match self {
             Self::HeadDepth => 1.5e-3,
@@ -185,7 +199,7 @@ impl Quantity {
         }
     }
 
-    /// Predictions with which its error of the model is partly common.
+    /// The group of predictions with which it shares part of its model error.
     pub(super) fn family(self) -> Option<Family> {
         match self {
             Self::HeadDepth => Some(Family::HeadDepths),
@@ -194,7 +208,7 @@ impl Quantity {
         }
     }
 
-    /// End of a record in which it can be read, with that of the design \[s\].
+    /// Length of the record needed to read it, given that of the design \[s\].
     pub(super) fn end(self, of_design: f64) -> f64 {
         let last = match self {
             Self::HeadDepth | Self::MeanDriveSpeed | Self::SpeedBeforeImpact => DRIVEN,
@@ -214,13 +228,13 @@ impl Quantity {
         }
     }
 
-    /// Whether its prediction depends on the hand and the trigger.
+    /// Whether its prediction depends on the operator's hand and trigger.
     pub(super) fn depends_on_the_hand(self) -> bool {
         matches!(self, Self::Interval { from, to }
             if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(event)))
     }
 
-    /// Its value in a shot that was recorded until `end` \[s\].
+    /// Its value in a shot recorded until `end` \[s\].
     pub(super) fn predict(self, record: &CycleRecord, ambient: &Ambient, end: f64) -> Prediction {
         let known = |value: Option<f64>| value.map_or(Prediction::Missing, Prediction::Value);
         let events = record.events.to_array();
@@ -258,7 +272,7 @@ impl Quantity {
     }
 }
 
-/// A history at a time, linear between samples; none outside the record.
+/// A history at a given time, interpolated linearly; none outside the record.
 fn sample(record: &CycleRecord, values: &[f64], time: f64) -> Option<f64> {
     let place = time / record.sample_interval;
     let index = place.floor().max(0.0) as usize;
@@ -293,7 +307,7 @@ mod tests {
         assert!(of(Quantity::PeakPressure(Chamber::AbovePiston)).value() > at_impact);
         let drop = of(Quantity::SupplyDrop).value();
         assert!(drop > 0.0 && drop < record.supply.pressure[0]);
-        // Mass that leaves, at ambient pressure and temperature: 1.2 kg/m3.
+        // Mass that leaves the tool, at an ambient density of 1.2 kg/m3.
         let air = of(Quantity::AirPerShot).value() * 1.2;
         assert!((air / (record.summary.exhaust_mass + record.summary.vent_mass) - 1.0).abs() < 0.05);
     }

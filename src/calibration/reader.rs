@@ -1,4 +1,4 @@
-//! The file of measurements, `nailnoise-calibration/1`.
+//! Reads the measurement file, `nailnoise-calibration/1`.
 
 use std::path::Path;
 
@@ -17,13 +17,13 @@ use crate::design::{Assignment, Design, DesignError};
 /// Name and version of the layout.
 pub(super) const SCHEMA: &str = "nailnoise-calibration/1";
 
-/// The largest file that is read \[byte\].
+/// Largest file accepted \[byte\].
 const LARGEST: u64 = 1 << 20;
 
-/// Standard deviations at which the distribution of a measured key is cut.
+/// Number of standard deviations at which the distribution of a measured key is truncated.
 const CUT: f64 = 3.0;
 
-/// Most shots of a measurement.
+/// Largest number of shots per measurement.
 const MOST_SHOTS: usize = 100_000;
 
 /// Keys of a measurement.
@@ -46,27 +46,27 @@ const MEASURED: [&str; 16] = [
     "discrepancy",
 ];
 
-/// Keys of measurements of sound, vibration and traces, which are not built.
+/// Keys for measurements of sound, vibration and traces, which are not supported.
 const OF_NOT_BUILT: [&str; 12] = [
     "file", "column", "align", "from", "to", "points", "sensor", "body", "hz", "mounted", "source", "band",
 ];
 
-/// Where the mean of repeats has `n` shots of sample deviation s, the deviation is that of n - 1 + 4 shots, 4 of them
-/// with the default.
+/// Weight of the default scatter: with n shots of sample deviation s, the variance combines n - 1 shots at s and this
+/// many at the default.
 const SHOTS_OF_DEFAULT: f64 = 4.0;
 
 /// A reader of the file for one design.
 pub(super) struct Reader<'a> {
     /// The design.
     pub(super) design: &'a Design,
-    /// The design with further values.
+    /// The design with further assignments.
     pub(super) with: &'a dyn Fn(&[Assignment]) -> Result<Design, DesignError>,
 }
 
 /// Reads the text of a file of measurements.
 ///
 /// # Errors
-/// A file that cannot be read, or is not UTF-8.
+/// If the file cannot be read or is not UTF-8.
 pub(super) fn text(path: &Path) -> Result<Document, CalibrationError> {
     let bytes = read_regular(path, LARGEST).map_err(|error| CalibrationError::Unreadable {
         path: path.to_owned(),
@@ -79,13 +79,13 @@ impl Reader<'_> {
     /// Reads measurements.
     ///
     /// # Errors
-    /// The first key that is wrong, with its place and remedy.
+    /// The first invalid key, with its place and remedy.
     pub(super) fn read(&self, document: &Document) -> Result<Measurements, CalibrationError> {
         let keys = document.table()?;
         let root = Keys::of_document(document, &keys, "file of measurements");
         root.only(&["schema", "correlation", "direct", "instrument", "condition", "measured"])?;
         root.required("schema", &format!("\"{SCHEMA}\""))?;
-        if root.text("schema", SCHEMA)? != Some(SCHEMA) {
+        if root.text("schema", &format!("\"{SCHEMA}\""))? != Some(SCHEMA) {
             return Err(root
                 .error("schema", "is another layout", format!("give \"{SCHEMA}\""))
                 .into());
@@ -94,7 +94,18 @@ impl Reader<'_> {
         let instruments = tables(&root, "instrument", "{ error = \"1 %\" }")?;
         for (_, table) in &instruments {
             table.only(&["error"])?;
-            table.required("error", "\"1 %\"")?;
+            let value = table.required("error", "\"1 %\"")?;
+            // Its unit is that of the readings, so that only digits tell here.
+            let is_zero = |text: &str| !text.contains(|digit: char| ('1'..='9').contains(&digit));
+            if value
+                .get_ref()
+                .as_str()
+                .is_some_and(|text| text.contains('0') && is_zero(text))
+            {
+                return Err(table
+                    .error("error", "is 0", "no instrument is exact: give its error")
+                    .into());
+            }
         }
         let conditions = tables(&root, "condition", "{ set = { \"supply.pressure\" = \"96 psig\" } }")?;
         let conditions: Vec<Condition> = conditions
@@ -144,9 +155,17 @@ impl Reader<'_> {
     fn direct(&self, root: &Keys<'_, '_>) -> Result<Vec<Direct>, KeyError> {
         let all = tables(root, "direct", "{ value = \"11.4 mm\", error = \"0.1 mm\" }")?;
         let read = |(key, table): &(String, Keys<'_, '_>)| {
+            if let Some(inner) = table.keys().iter().find(|(_, value)| value.get_ref().is_table()) {
+                let name = inner.0.get_ref();
+                let help = format!("write the whole key in quotes: \"{key}.{name}\" = {{ .. }}");
+                return Err(table.error(name, "is not a key of a measured value", help));
+            }
             table.only(&["value", "error", "rounding", "k"])?;
-            let dimension = self.dimension(key).ok_or_else(|| self.unknown(table, key))?;
             let entry = self.design.entries().into_iter().find(|entry| entry.key == *key);
+            let dimension = self.dimension(key).ok_or_else(|| match &entry {
+                Some(_) => table.error("", "is not a quantity", "set it in the design, or under each condition"),
+                None => self.unknown(table, key),
+            })?;
             let Some([low, high]) = entry.and_then(|entry| entry.range).filter(|[low, high]| low < high) else {
                 let help = "give it a range in the design, or set its value there";
                 return Err(table.error("", "has no range in the design, so that nothing can be narrowed", help));
@@ -167,7 +186,7 @@ impl Reader<'_> {
         all.iter().map(read).collect()
     }
 
-    /// The dimension of a key of the design that is a quantity or a count.
+    /// The dimension of a key of the design, if it is a quantity or a count.
     fn dimension(&self, key: &str) -> Option<Dimension> {
         let mut dimension = None;
         self.design.visit("", &mut |own, spec, _| {
@@ -213,7 +232,7 @@ impl Reader<'_> {
             if direct.iter().any(|own| own.key == key) {
                 return Err(wrong(
                     "is set here and measured in [direct]".to_owned(),
-                    "leave one of both out: a set value has the error of its instrument",
+                    "leave out one of the two: a set value has the error of its instrument",
                 ));
             }
             let text = match value.get_ref() {
@@ -221,12 +240,15 @@ impl Reader<'_> {
                 DeValue::Integer(number) => number.as_str().to_owned(),
                 DeValue::Float(number) => number.as_str().to_owned(),
                 DeValue::Boolean(on) => on.to_string(),
-                other => return Err(wrong(format!("is {}", found(other)), "give a value of the key")),
+                other => {
+                    let help = "write the whole key in quotes and give one value, as \"supply.pressure\" = \"96 psig\"";
+                    return Err(wrong(format!("is {}", found(other)), help));
+                }
             };
             let assignment: Assignment = format!("{key}={text}")
                 .parse()
                 .map_err(|error| wrong(format!("cannot be set: {error}"), "correct the key"))?;
-            // Each value is read on its own first, so that the message has its place.
+            // Each value is first applied separately, so that a message shows its place.
             (self.with)(std::slice::from_ref(&assignment)).map_err(|error| {
                 let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
                 wrong(
@@ -247,7 +269,7 @@ impl Reader<'_> {
                 };
                 let instrument = named(&by, &key, instruments)?;
                 let dimension = self.dimension(&key).ok_or_else(|| self.unknown(&by, &key))?;
-                // A gauge's error is a share of what it shows.
+                // A gauge's error is relative to its reading.
                 let reading = scalar(set, &key, value, dimension, None)?;
                 let (_, of) = &instruments[instrument];
                 shown.push(Shown {
@@ -282,7 +304,7 @@ fn tables<'t, 'i>(root: &Keys<'t, 'i>, group: &str, example: &str) -> Result<Vec
     Ok(found)
 }
 
-/// A value in SI units; a gauge pressure counts from `ambient`, or is left as it is shown.
+/// A value in SI units; a gauge pressure is relative to `ambient`, or is returned as shown.
 fn scalar(
     table: &Keys<'_, '_>,
     key: &str,
@@ -298,7 +320,7 @@ fn scalar(
     })
 }
 
-/// A spread: an amount, a share in percent, or both with a plus between.
+/// A spread: an amount, a percentage, or both joined by a plus sign.
 fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Spread, KeyError> {
     let Some(value) = table.get(key) else {
         return Ok(Spread {
@@ -335,7 +357,7 @@ fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError>
     const EXACT: &str = "no instrument is exact: give `error`, or `rounding` as half of the last digit";
     let factor = match (table.get("error"), table.get("rounding"), table.get("k")) {
         (Some(_), Some(_), _) => {
-            return Err(table.error("rounding", "stands beside `error`", "give one of both"));
+            return Err(table.error("rounding", "cannot be combined with `error`", "give one of the two"));
         }
         (None, Some(_), Some(_)) => {
             return Err(table.error("k", "belongs to an expanded `error`", "remove it"));
@@ -364,7 +386,7 @@ fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError>
     })
 }
 
-/// The number of the instrument that a key names.
+/// The index of the instrument named by a key.
 fn named(table: &Keys<'_, '_>, key: &str, known: &[(String, Keys<'_, '_>)]) -> Result<usize, KeyError> {
     let name = table.text(key, "\"gauge\"")?.unwrap_or_default();
     place(
@@ -376,7 +398,7 @@ fn named(table: &Keys<'_, '_>, key: &str, known: &[(String, Keys<'_, '_>)]) -> R
     )
 }
 
-/// The place of a name in a list.
+/// The index of a name in a list.
 fn place<'n>(
     table: &Keys<'_, '_>,
     key: &str,
@@ -432,7 +454,12 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
     };
     let mut all = Vec::new();
     for own in list {
-        let entry = |key: &str| own.get_ref().as_table().and_then(|own| own.get(key));
+        let table = own.get_ref().as_table();
+        let is_known = |key: &str| ["ids", "r"].contains(&key);
+        if let Some(key) = table.and_then(|own| own.keys().find(|key| !is_known(key.get_ref()))) {
+            return Err(wrong(format!("has the unknown key `{}`", key.get_ref())));
+        }
+        let entry = |key: &str| table.and_then(|own| own.get(key));
         let names = entry("ids").and_then(|own| own.get_ref().as_array());
         let names = names.and_then(|own| own.iter().map(|own| own.get_ref().as_str()).collect::<Option<Vec<_>>>());
         let (Some(names), Some(r)) = (names, entry("r")) else {
@@ -441,6 +468,10 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
         let known = data.iter().map(|own| own.name.as_str());
         let place = |name: &str| place(root, "correlation", name, known.clone(), "measurement");
         let data: Vec<usize> = names.into_iter().map(place).collect::<Result<_, KeyError>>()?;
+        let distinct: std::collections::BTreeSet<usize> = data.iter().copied().collect();
+        if distinct.len() < data.len() {
+            return Err(wrong("names a measurement twice".to_owned()));
+        }
         let r = root.number("correlation", r, |text| measure(text, NUMBER))?;
         if data.len() < 2 || !(-1.0..1.0).contains(&r) {
             return Err(wrong(
@@ -465,7 +496,7 @@ struct Repeats {
     /// The value to which percentages refer.
     typical: f64,
     shots: f64,
-    /// Standard deviation of one shot, if the file states it by values or `scatter`.
+    /// Standard deviation of one shot, if the file gives it through values or `scatter`.
     scatter: Option<f64>,
 }
 
@@ -481,6 +512,11 @@ impl Of<'_, '_, '_> {
         let known = self.conditions.iter().map(|own| own.name.as_str());
         let condition = place(table, "condition", condition, known, "condition")?;
         let quantity = self.quantity()?;
+        let of_design = self.conditions[condition].design.analysis.cycle_end;
+        if let Some(time) = quantity.time().filter(|time| *time > quantity.end(of_design)) {
+            let problem = format!("is {time} s, after the end of the record at {of_design} s");
+            return Err(table.error("at", problem, "give an earlier time, or raise `analysis.cycle_end`"));
+        }
         let dimension = quantity.dimension();
         let repeats = self.repeats(quantity, &self.conditions[condition])?;
         let own = error(table, dimension)?.at(repeats.typical);
@@ -491,7 +527,7 @@ impl Of<'_, '_, '_> {
             ));
             quantity.scatter(repeats.typical)
         });
-        // The sum of many shots is read once.
+        // A sum over many shots is a single reading.
         let (own, repeated) = match quantity {
             Quantity::AirPerShot if repeats.shots > 1.0 && table.get("values").is_none() => (own / repeats.shots, 1.0),
             _ => (own, repeats.shots),
@@ -504,6 +540,10 @@ impl Of<'_, '_, '_> {
             Some(_) => spread(table, "discrepancy", dimension)?.at(repeats.typical),
             None => quantity.discrepancy(repeats.typical),
         };
+        if variance + discrepancy * discrepancy <= 0.0 {
+            let help = "give the error as an amount: percentages of 0 are 0";
+            return Err(table.error("error", "is 0 at this value", help));
+        }
         let instrument = match table.get("instrument") {
             Some(_) => {
                 let instrument = named(table, "instrument", self.instruments)?;
@@ -605,7 +645,14 @@ impl Of<'_, '_, '_> {
         let ambient = quantity
             .is_absolute_pressure()
             .then_some(condition.design.ambient.pressure);
-        let read = |key: &str, value: &Value<'_>| scalar(table, key, value, dimension, ambient);
+        let read = |key: &str, value: &Value<'_>| {
+            let own = scalar(table, key, value, dimension, ambient)?;
+            if own < 0.0 && quantity.is_positive() {
+                let problem = format!("is {}, below 0", found(value.get_ref()));
+                return Err(table.wrong(key, value.span(), problem, "correct the sign".to_owned()));
+            }
+            Ok(own)
+        };
         let get = |key: &str| table.get(key).map(|value| read(key, value)).transpose();
         let (value, most, least) = (get("value")?, get("at_most")?, get("at_least")?);
         let given = ["value", "values", "at_most", "at_least"];
@@ -632,13 +679,13 @@ impl Of<'_, '_, '_> {
             if let Some(other) = ["shots", "scatter"].into_iter().find(|key| table.get(key).is_some()) {
                 return Err(table.error(other, "follows from `values`", "remove it"));
             }
-            let list = values.get_ref().as_array().filter(|list| !list.is_empty());
-            let list = list.ok_or_else(|| {
-                table.error(
-                    "values",
-                    format!("is {}", found(values.get_ref())),
-                    "give a list of values",
-                )
+            let list = values.get_ref().as_array();
+            let list = list.filter(|list| !list.is_empty()).ok_or_else(|| {
+                let problem = match list {
+                    Some(_) => "is empty".to_owned(),
+                    None => format!("is {}", found(values.get_ref())),
+                };
+                table.error("values", problem, "give a list of values")
             })?;
             let list: Vec<f64> = list.iter().map(|own| read("values", own)).collect::<Result<_, _>>()?;
             let n = list.len() as f64;
@@ -663,7 +710,7 @@ impl Of<'_, '_, '_> {
             (Some(value), ..) => Reading::Value(of_one * value),
             (None, Some(most), Some(least)) if least < most => Reading::Within([of_one * least, of_one * most]),
             (None, Some(_), Some(_)) => {
-                return Err(table.error("at_least", "is not below `at_most`", "exchange both"));
+                return Err(table.error("at_least", "is not below `at_most`", "swap the two"));
             }
             (None, Some(most), None) => Reading::AtMost(of_one * most),
             (None, None, least) => Reading::AtLeast(of_one * least.unwrap_or_default()),
@@ -681,7 +728,7 @@ impl Of<'_, '_, '_> {
     }
 }
 
-/// A value with the unit of its dimension.
+/// Formats a value with the unit of its dimension.
 fn shown(value: f64, dimension: Dimension) -> String {
     format!("{} {}", nailnoise_quantities::rounded(value, 3, 1e5), dimension.unit())
 }
@@ -784,7 +831,7 @@ mod tests {
         );
     }
 
-    /// Problem and remedy of a file that is wrong.
+    /// Problem and remedy for an invalid file.
     fn fault(text: &str) -> String {
         match read(text).unwrap_err() {
             CalibrationError::Key(error) => format!("{error}; {}", error.help),
@@ -827,6 +874,42 @@ mod tests {
                 "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t19\"], value = \"4 ms\" }"
                     .to_owned(),
                 &["does not exist", "t0 to t18"],
+            ),
+            (
+                format!("m = {{ {depth}, rounding = \"1 mm\", error = \"1 mm\" }}"),
+                &["cannot be combined"],
+            ),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", k = 0 }}"),
+                &["is 0, outside 1 to 10"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_depth\", values = [], error = \"1 mm\" }".to_owned(),
+                &["`measured.m.values` is empty"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_depth\", value = 0, error = \"2 %\", \
+                 scatter = \"0 mm\", discrepancy = \"5 %\" }"
+                    .to_owned(),
+                &["is 0 at this value", "as an amount"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t9\"], \
+                 value = \"-4 ms\", error = \"1 ms\" }"
+                    .to_owned(),
+                &["below 0", "correct the sign"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"pressure\", of = \"supply\", at = \"3 s\", \
+                 value = \"4 bar\", error = \"1 %\" }"
+                    .to_owned(),
+                &["`measured.m.at` is 3 s", "analysis.cycle_end"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_depth\", at_most = \"1 mm\", at_least = \"2 mm\", \
+                 error = \"1 mm\" }"
+                    .to_owned(),
+                &["is not below `at_most`"],
             ),
             (
                 "m = { condition = \"a\", quantity = \"level\", value = \"100\" }".to_owned(),
@@ -872,6 +955,36 @@ mod tests {
                 "[instrument]",
                 "correlation = [{ ids = [\"m\", \"n\"], r = 0.3 }]\n[instrument]",
                 "is no measurement",
+            ),
+            (
+                "[instrument]",
+                "correlation = [{ ids = [\"m\", \"m\"], r = 0.3 }]\n[instrument]",
+                "names a measurement twice",
+            ),
+            (
+                "[instrument]",
+                "correlation = [{ ids = [\"m\"], r = 0.3, rho = 1 }]\n[instrument]",
+                "unknown key `rho`",
+            ),
+            (
+                "[instrument]",
+                "[direct]\npiston.mass = { value = \"131 g\", error = \"1 g\" }\n[instrument]",
+                "\"piston.mass\" = { .. }",
+            ),
+            (
+                "[instrument]",
+                "[direct]\n\"wood.species\" = { value = \"pine\", error = \"1 g\" }\n[instrument]",
+                "is not a quantity; set it in the design",
+            ),
+            (
+                "caliper = { error = \"1 % + 0.05 mm\" }",
+                "caliper = { error = \"0.0 mm\" }",
+                "no instrument is exact",
+            ),
+            (
+                "set = { \"supply.pressure\" = \"96 psig\" }",
+                "set = { supply.pressure = \"96 psig\" }",
+                "write the whole key in quotes",
             ),
         ] {
             assert!(good.contains(from), "{from}");

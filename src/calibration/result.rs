@@ -1,15 +1,16 @@
-//! The result of a calibration: readings, inputs and figures of the shot before and now.
+//! The result of a calibration: readings, inputs and figures of the shot, before and after.
 
 use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over};
 use nailnoise_calibration::likelihood::Reading;
-use nailnoise_calibration::normal;
 use nailnoise_calibration::sampler::Step;
 use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
 use nailnoise_dynamics::CycleRecord;
+use nailnoise_quantities::rounded;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::measurements::Measurements;
+use super::next::NextRow;
 use super::posterior::{Found, Posterior, Request, Work};
 use super::tool::{Tool, shot};
 use crate::design::{Design, Value};
@@ -19,24 +20,24 @@ use crate::study::{Drawn, Variable, VariableKind};
 /// Name and version of the layout.
 const SCHEMA: &str = "nailnoise-calibrated/1";
 
-/// Largest ratio of the widths now and before at which an input has moved.
+/// Largest ratio of the widths after and before at which an input counts as moved.
 const MOVED: f64 = 0.9;
 
-/// Least rank correlation of inputs of a pair.
+/// Smallest rank correlation of a pair of inputs that is reported.
 const CORRELATED: f64 = 0.3;
 
-/// Relative standard error of the width between P5 and P95 of n normal draws, and standard error of a rank correlation,
-/// both times the square root of n.
+/// Relative standard error of the width between P5 and P95 of n normal draws, and standard error of a rank correlation;
+/// both multiplied by the square root of n.
 const ERROR_OF_WIDTH: f64 = 0.9;
 const ERROR_OF_CORRELATION: f64 = 1.0;
 
-/// Standard errors by which a change of an input must exceed what chance makes of draws without a change.
+/// Number of standard errors by which a change must exceed the random variation of unchanged inputs.
 const BEYOND_CHANCE: f64 = 2.0;
 
-/// Most pairs that are listed.
+/// Largest number of pairs listed.
 const MOST_PAIRS: usize = 12;
 
-/// What a calibration found.
+/// Results of a calibration.
 #[derive(Debug, Clone, Serialize)]
 pub struct CalibrationResult {
     /// Name and version of the layout.
@@ -51,17 +52,17 @@ pub struct CalibrationResult {
     pub seed: u64,
     /// Whether every diagnostic is within its limit.
     pub converged: bool,
-    /// Diagnostics beyond their limits.
+    /// Diagnostics that exceed their limits.
     pub faults: Vec<String>,
-    /// Candidates drawn from the ranges for those with the observed outcomes.
+    /// Number of candidates drawn from the ranges to obtain those with the observed outcomes.
     pub candidates: u64,
-    /// Log evidence of the readings, among all candidates and without the constants of their densities.
+    /// Log evidence of the readings, over all candidates and excluding normalisation constants.
     pub log_evidence: f64,
     /// Difference in log evidence between the two halves of the draws.
     pub halves_apart: f64,
-    /// Candidates from which the draws descend.
+    /// Number of candidates from which the draws descend.
     pub ancestors: usize,
-    /// Work of the sampler.
+    /// Work counters of the sampler.
     pub work: Work,
     /// Steps of the last run.
     pub steps: Vec<Step>,
@@ -69,34 +70,36 @@ pub struct CalibrationResult {
     pub measurements: Vec<MeasurementRow>,
     /// Measurements that contradict each other or the ranges.
     pub conflicts: Vec<ConflictRow>,
-    /// Ratio of widths below which an input has moved: the draws count as their ancestors, so that few ancestors ask
-    /// for a larger change.
+    /// Ratio of widths below which an input counts as moved. The number of ancestors counts as the number of draws, so
+    /// with few ancestors a larger change is required.
     pub moved_below: f64,
-    /// Inputs, those that moved most first.
+    /// Inputs, in descending order of change.
     pub inputs: Vec<InputRow>,
-    /// Inputs that are narrower together than each is.
+    /// Pairs of inputs that are constrained more jointly than individually.
     pub pairs: Vec<PairRow>,
-    /// Inputs that are neither narrower nor in a pair.
+    /// Number of inputs that are neither narrower nor in a pair.
     pub unidentified: usize,
-    /// Figures of the shot of the design itself.
+    /// Figures of the design's own shot.
     pub figures: Vec<FigureRow>,
+    /// What to measure next, what an hour of work makes narrowest first; empty if it was not asked.
+    pub next: Vec<NextRow>,
     /// What a reader should know.
     pub notes: Vec<String>,
 }
 
 impl CalibrationResult {
-    /// Whether a measurement contradicts others or is not reached, one that was held out among them.
+    /// Whether any measurement, including held-out ones, contradicts others or is out of reach.
     pub fn has_conflict(&self) -> bool {
         let is_met = |own: &MeasurementRow| matches!(own.verdict, Verdict::Met | Verdict::Predicted);
         !self.measurements.iter().all(is_met)
     }
 }
 
-/// What became of a measurement.
+/// Status of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It conditions the inputs, and the other measurements predict it.
+    /// It conditions the inputs and is consistent with the other measurements.
     Met,
     /// It was held out, and the posterior predicts it.
     Predicted,
@@ -107,7 +110,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In words.
+    /// Describes it in words.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Met => "met",
@@ -127,57 +130,58 @@ pub struct MeasurementRow {
     pub condition: String,
     /// SI unit.
     pub unit: String,
-    /// The reading: its ends, equal for a value; null for an open end.
+    /// The reading: its bounds, equal for a single value; null for an open end.
     pub reading: [Option<f64>; 2],
-    /// P5 and P95 of the predictions of candidates.
+    /// P5 and P95 of the candidates' predictions.
     pub before: [f64; 2],
-    /// P5 and P95 of the predictions of the draws.
+    /// P5 and P95 of the draws' predictions.
     pub now: [f64; 2],
-    /// Reading less mean prediction, in standard deviations of both.
+    /// Reading minus mean prediction, in combined standard deviations.
     pub left_over: f64,
-    /// Predictive probability by the other measurements.
+    /// Predictive probability given the other measurements.
     pub probability: f64,
     /// Whether it conditions the inputs.
     pub counts: bool,
-    /// What became of it.
+    /// Its status.
     pub verdict: Verdict,
 }
 
-/// A conflict, and what could resolve it.
+/// A conflict, and possible resolutions.
 #[derive(Debug, Clone, Serialize)]
 pub struct ConflictRow {
     /// The measurement.
     pub measurement: String,
-    /// The measurement that it contradicts; null if it contradicts the rest together, or the ranges.
+    /// The measurement that it contradicts; null if it contradicts the others together, or the ranges.
     pub partner: Option<String>,
-    /// Predictive probability by the others; 0 if it is not reached.
+    /// Predictive probability given the others; 0 if out of reach.
     pub probability: f64,
-    /// The nearest value that any candidate has, in SI units, if it is not reached.
+    /// The nearest value of any candidate in SI units, if out of reach.
     pub nearest: Option<f64>,
     /// Distance of that value in standard deviations.
     pub distance: Option<f64>,
-    /// Rise of the log evidence without the measurements.
+    /// Increase in log evidence without the measurements.
     pub gain: Option<f64>,
-    /// Factor by which their errors were widened; null if they are left out.
+    /// Factor by which their errors were widened; null if they are excluded.
     pub widened: Option<f64>,
-    /// What would have to give, in words.
+    /// Assumptions that would have to change, in words.
     pub remedies: Vec<String>,
 }
 
-/// An input before and now.
+/// An input, before and after.
 #[derive(Debug, Clone, Serialize)]
 pub struct InputRow {
     /// Its key, or the name of a shared error.
     pub name: String,
     /// SI unit.
     pub unit: String,
-    /// P5 and P95 of its distribution in the design.
+    /// P5 and P95 of candidates: of its distribution in the design, given the rules between values and the observed
+    /// outcomes.
     pub before: [f64; 2],
     /// P5 and P95 of the draws.
     pub now: [f64; 2],
     /// Ratio of the widths.
     pub ratio: f64,
-    /// Value of the draw in the middle of all.
+    /// Value of the medoid, the most central draw.
     pub medoid: f64,
 }
 
@@ -190,7 +194,7 @@ pub struct PairRow {
     pub rank_correlation: f64,
 }
 
-/// A figure of the shot before and now.
+/// A figure of the shot, before and after.
 #[derive(Debug, Clone, Serialize)]
 pub struct FigureRow {
     /// Its name.
@@ -210,7 +214,7 @@ struct Figure {
     of: fn(&CycleRecord) -> Option<f64>,
 }
 
-/// Figures of the shot that decide the sources: the workpiece by speed, energy and force, the exhaust by its flow.
+/// Figures of the shot that determine the sources: speed, energy and force for the workpiece, flow for the exhaust.
 const FIGURES: [Figure; 8] = [
     Figure {
         name: "speed before impact",
@@ -268,7 +272,7 @@ fn energy_left(record: &CycleRecord) -> Option<f64> {
     Some(0.5 * mass * speed * speed)
 }
 
-/// Figures of the shots of points for a design; NaN where there are none.
+/// Figures of a design's shots at some points; NaN if missing.
 pub(super) fn figures_of<'z>(tool: &Tool, design: &Design, points: impl Iterator<Item = &'z [f64]>) -> Vec<Vec<f64>> {
     let points: Vec<&[f64]> = points.collect();
     let figures = |z: &&[f64]| {
@@ -295,11 +299,11 @@ fn interval(values: &[f64]) -> [f64; 2] {
     [0.05, 0.95].map(|p| quantile(values.iter().copied(), p))
 }
 
-/// The value of a variable at a standard normal number.
-fn value(posterior: &Posterior, variable: usize, z: f64) -> f64 {
+/// The value of a variable at a point.
+fn value(posterior: &Posterior, variable: usize, z: &[f64]) -> f64 {
     match posterior.tool.sampler.variables().get(variable) {
-        Some(own) => number(own, normal::cumulative(z)),
-        None => z,
+        Some(own) => number(own, posterior.tool.point(z).shares[variable]),
+        None => z[variable],
     }
 }
 
@@ -311,8 +315,8 @@ fn number(variable: &Variable, share: f64) -> f64 {
     }
 }
 
-/// The number of the draw in the middle of all: that of the smallest distance from the mean in the inputs that moved,
-/// each in its standard deviation.
+/// The index of the most central draw: the one closest to the mean in the inputs that moved, each scaled by its
+/// standard deviation.
 pub(super) fn medoid(posterior: &Posterior, moved: &[usize]) -> usize {
     let particles = &posterior.state.particles;
     let moments: Vec<[f64; 2]> = moved
@@ -333,7 +337,7 @@ pub(super) fn medoid(posterior: &Posterior, moved: &[usize]) -> usize {
 pub(super) struct Table {
     /// Names of the columns.
     pub(super) names: Vec<String>,
-    /// A row for each draw.
+    /// One row per draw.
     pub(super) rows: Vec<Vec<f64>>,
 }
 
@@ -348,16 +352,11 @@ pub(super) fn result(
     let particles = &posterior.state.particles;
     let variables = particles.first().map_or(0, |own| own.z.len());
     let values: Vec<Vec<f64>> = (0..variables)
-        .map(|k| {
-            let point = |z: &[f64]| match k < posterior.tool.keys() {
-                true => normal::quantile(posterior.tool.point(z).shares[k]),
-                false => z[k],
-            };
-            particles.iter().map(|own| value(posterior, k, point(&own.z))).collect()
-        })
+        .map(|k| particles.iter().map(|own| value(posterior, k, &own.z)).collect())
         .collect();
     let rows: Vec<InputRow> = (0..variables).map(|k| input(posterior, k, &values[k])).collect();
-    let by_chance = BEYOND_CHANCE / (posterior.diagnostics.ancestors.max(1) as f64).sqrt();
+    let parts = [posterior.diagnostics.ancestors, posterior.start.accepted.len()];
+    let by_chance = BEYOND_CHANCE * parts.map(|n| 1.0 / n.max(1) as f64).iter().sum::<f64>().sqrt();
     let moved_below = MOVED.min(1.0 - ERROR_OF_WIDTH * by_chance);
     let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < moved_below).collect();
     moved.sort_by(|&a, &b| rows[a].ratio.total_cmp(&rows[b].ratio));
@@ -416,6 +415,7 @@ pub(super) fn result(
         pairs,
         unidentified,
         figures: figures.collect(),
+        next: Vec::new(),
         notes: notes(posterior, measured),
     };
     let names = (0..variables).map(|k| posterior.tool.name(k).to_owned());
@@ -436,7 +436,12 @@ pub(super) fn result(
 }
 
 fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
-    let before = [0.05, 0.95].map(|p| value(posterior, variable, normal::quantile(p)));
+    let candidates = posterior.start.accepted.iter();
+    let before = interval(
+        &candidates
+            .map(|own| value(posterior, variable, &own.z))
+            .collect::<Vec<_>>(),
+    );
     let now = interval(values);
     let own = posterior.tool.sampler.variables().get(variable);
     let ratio = (now[1] - now[0]) / (before[1] - before[0]);
@@ -445,22 +450,26 @@ fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
         unit: own.map_or_else(String::new, |own| own.unit().to_owned()),
         before,
         now,
-        // A count with one value before has not moved.
+        // A count that had only one value before has not moved.
         ratio: if ratio.is_finite() { ratio } else { 1.0 },
         medoid: f64::NAN,
     }
 }
 
+/// Pairs that the measurements tie together: rules correlate inputs of the candidates, too, and so do the points of a
+/// low-discrepancy sequence where they are few.
 fn pairs(posterior: &Posterior, values: &[Vec<f64>], least: f64) -> Vec<PairRow> {
+    let column = |k: usize| posterior.start.accepted.iter().map(|own| own.z[k]).collect();
+    let before: Vec<Vec<f64>> = (0..values.len()).map(column).collect();
     let mut found = Vec::new();
     for a in 0..values.len() {
         for b in 0..a {
-            let rank_correlation = rank_correlation(&values[a], &values[b]);
-            if rank_correlation.abs() > least {
+            let [now, then] = [values, before.as_slice()].map(|own| rank_correlation(&own[a], &own[b]));
+            if now.abs() > least && (now - then).abs() > least {
                 let inputs = [b, a].map(|k| posterior.tool.name(k).to_owned());
                 found.push(PairRow {
                     inputs,
-                    rank_correlation,
+                    rank_correlation: now,
                 });
             }
         }
@@ -509,7 +518,7 @@ fn row(posterior: &Posterior, measured: &Measurements, k: usize) -> MeasurementR
     }
 }
 
-/// The key of the design that bounds an outcome.
+/// The key of the design that limits an outcome.
 fn bound_of(outcome: &str) -> Option<&'static str> {
     match outcome {
         "overdriven" => Some("nail.overdrive_limit"),
@@ -536,20 +545,28 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
         });
     }
     let reading = posterior.likelihood.data()[found.datum].reading;
-    for (outcome, [low, high]) in &posterior.start.reached[found.datum] {
-        let allowed = &posterior.tool.conditions[measured.data[found.datum].condition].outcomes;
-        let is_reached = [low, high].iter().any(|end| reading.nearest(**end) == **end)
-            || matches!(reading, Reading::Value(value) if (*low..=*high).contains(&value));
-        if found.unreached.is_some() && is_reached && !allowed.contains(outcome) {
-            let bound = bound_of(outcome).map_or_else(String::new, |key| format!(", which `{key}` bounds"));
+    let allowed = &posterior.tool.conditions[measured.data[found.datum].condition].outcomes;
+    for (outcome, &[low, high]) in &posterior.start.reached[found.datum] {
+        let Some(unreached) = found.unreached.filter(|_| !allowed.contains(outcome)) else {
+            continue;
+        };
+        // The value of these shots that is nearest to the reading.
+        let wanted = reading.nearest(unreached.nearest);
+        let nearest = wanted.clamp(low, high);
+        if (wanted - nearest).abs() < (wanted - unreached.nearest).abs() {
+            let how = match nearest == wanted {
+                true => "reach it".to_owned(),
+                false => format!("come nearer, to {}", rounded(nearest, 3, 1e5)),
+            };
+            let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
             remedies.push(format!(
-                "shots with the outcome \"{}\" reach it{bound}",
+                "shots with the outcome \"{}\" {how}{bound}",
                 outcome.replace('_', " ")
             ));
         }
     }
     if let Some((outcome, count)) = found.refusals.iter().max_by_key(|(_, count)| **count) {
-        let bound = bound_of(outcome).map_or_else(String::new, |key| format!(", which `{key}` bounds"));
+        let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
         remedies.push(format!(
             "{count} proposals were refused for the outcome \"{}\"{bound}",
             outcome.replace('_', " ")
@@ -569,6 +586,9 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
 
 fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     let mut notes = measured.notes.clone();
+    if measured.data.is_empty() {
+        return notes;
+    }
     notes.push(
         "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve \
          diameters, masses) are drawn for the cycle"
@@ -584,7 +604,7 @@ fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
         .collect();
     if !left_out.is_empty() {
         notes.push(format!(
-            "all intervals are without {}, which are in conflict",
+            "all intervals leave out {} because of the conflict",
             left_out.join(", ")
         ));
     }
@@ -600,7 +620,8 @@ fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     notes
 }
 
-/// The keys of the design that moved, with the ends of their draws: P2.5 and P97.5.
+/// The keys of the design that moved. The normal distribution over a range is cut at 3/4 of its width from its middle;
+/// the ends are P2.5 and P97.5, further apart where the cut would exclude a draw.
 pub(super) struct MovedKey<'a> {
     pub(super) key: &'a str,
     pub(super) value: Value,
@@ -615,12 +636,16 @@ pub(super) fn moved_keys<'a>(posterior: &'a Posterior, result: &CalibrationResul
             return None;
         };
         let row = result.inputs.iter().find(|own| own.name == variable.name)?;
-        let ends = [0.025, 0.975].map(|p| quantile(table.rows.iter().map(|row| row[k]), p));
+        let values = table.rows.iter().map(|row| row[k]);
+        let [low, high] = [0.025, 0.975].map(|p| quantile(values.clone(), p));
+        let middle = 0.5 * (low + high);
+        let furthest = values.map(|value| (value - middle).abs()).fold(0.0, f64::max);
+        let half = (0.5 * (high - low)).max(furthest / 1.499);
+        let ends = [middle - half, middle + half];
         (row.ratio < result.moved_below).then(|| MovedKey {
             key: &variable.name,
             value: parameter.hold(row.medoid),
-            // The range of a value includes it.
-            ends: [ends[0].min(row.medoid), ends[1].max(row.medoid)],
+            ends,
         })
     });
     moved.collect()

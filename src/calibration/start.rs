@@ -15,30 +15,30 @@ use crate::design::Values;
 use crate::stages::Progress;
 use crate::study::{Frame, Rejections};
 
-/// Candidates that are computed at a time.
+/// Number of candidates computed at a time.
 const BLOCK: u64 = 64;
 
-/// Most candidates before any is accepted, and for each draw.
+/// Largest number of candidates before the first is accepted, and per draw.
 const MOST_IN_VAIN: u64 = 4096;
 const MOST: u64 = 200;
 
-/// Apart from the seeds of the sequence.
+/// Distinguishes these random numbers from those of the sequence.
 const SHARED: u64 = 0x5EED_5A4E_D001;
 
 /// Candidates so far.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Start {
-    /// Those with the observed outcomes.
+    /// Candidates with the observed outcomes.
     pub(super) accepted: Vec<Candidate>,
-    /// All that were drawn.
+    /// Total number drawn.
     pub(super) drawn: u64,
-    /// The others by condition and outcome at which they failed.
+    /// The rejected ones, by the condition and outcome at which they failed.
     pub(super) refused: BTreeMap<String, u64>,
-    /// Least and largest value of each reading by outcome, among all shots under its condition.
+    /// Smallest and largest value of each reading by outcome, over all shots under its condition.
     pub(super) reached: Vec<BTreeMap<String, [f64; 2]>>,
 }
 
-/// What became of a candidate.
+/// Result of trying a candidate.
 struct Tried {
     accepted: Option<Candidate>,
     /// Condition and outcome that failed.
@@ -51,7 +51,7 @@ impl Start {
     /// Draws candidates until `want` are accepted, and calls `after` after every block.
     ///
     /// # Errors
-    /// None of the first candidates is accepted, or too few of all.
+    /// If none of the first candidates is accepted, or too few overall.
     pub(super) fn complete(
         &mut self,
         tool: &Tool,
@@ -85,7 +85,7 @@ impl Start {
                     let point = tool.sampler.point(frame, index, &mut Rejections::new()).ok()?;
                     let mut z = tool.sampler.to_normal(&point);
                     let shared = 0..tool.shared.len() as u64;
-                    // uniform is in [0, 1).
+                    // `uniform` is in [0, 1).
                     z.extend(shared.map(|k| normal::quantile(uniform(seed ^ SHARED, index, k).max(f64::EPSILON))));
                     Some(try_point(tool, likelihood, z))
                 })
@@ -163,7 +163,7 @@ fn try_point(tool: &Tool, likelihood: &Likelihood, z: Vec<f64>) -> Tried {
     tried
 }
 
-/// Counts in words, the largest first.
+/// Describes counts, the largest first.
 fn counted(counts: &BTreeMap<String, u64>) -> String {
     let mut counts: Vec<(&String, &u64)> = counts.iter().collect();
     counts.sort_by(|a, b| b.1.cmp(a.1));

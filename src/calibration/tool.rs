@@ -1,5 +1,5 @@
-//! The tool of a design as a simulator of what was measured: variables of the study, errors that readings share, and
-//! one cycle for each condition.
+//! The tool of a design as a simulator of measurements: variables of the study, shared errors of readings, and one
+//! cycle per condition.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::design::{Derived, Design, Value};
 use crate::error::Error;
 use crate::study::{Parameter, Point, Sampler, Variable, VariableKind, cycle_variables, differing_keys, drawn};
 
-/// Tolerance of the cycles: it moves the depth of the head by less than 1 um.
+/// Integration tolerance of the cycles; it changes the depth of the head by less than 1 um.
 const TOLERANCE: f64 = 1e-5;
 
 /// Interval of the samples \[s\].
@@ -23,19 +23,19 @@ const SAMPLES: f64 = 5e-5;
 
 /// Shots under one condition.
 pub(super) struct Shots {
-    /// Name of the condition; that of the design itself where only its `require` is asked.
+    /// Name of the condition; that of the design itself if it only serves to check `require`.
     pub(super) name: String,
-    /// The design with the values that were set.
+    /// The design with the settings of the condition.
     pub(super) design: Design,
-    /// Outcomes that a shot may have; any if empty.
+    /// Allowed outcomes of a shot; any if empty.
     pub(super) outcomes: Vec<String>,
-    /// Set values that an instrument showed.
+    /// Settings that were read from an instrument.
     shown: Vec<ShownError>,
     quantities: Vec<Quantity>,
     end: f64,
 }
 
-/// The error of an instrument in a set value.
+/// The error of an instrument in a setting.
 struct ShownError {
     key: String,
     shown: f64,
@@ -46,7 +46,7 @@ struct ShownError {
 pub(super) struct Observed {
     /// Name of its outcome.
     pub(super) outcome: &'static str,
-    /// Predictions of the readings of its condition, in their order.
+    /// Predictions for the readings of its condition, in order.
     pub(super) predictions: Vec<Prediction>,
 }
 
@@ -54,9 +54,9 @@ pub(super) struct Observed {
 pub(super) struct Tool {
     /// Draws of the keys.
     pub(super) sampler: Sampler,
-    /// Names of the errors that readings share, whose variables follow those of the keys.
+    /// Names of the shared errors of readings, whose variables follow those of the keys.
     pub(super) shared: Vec<String>,
-    /// The conditions; one of the design itself may follow those of the file.
+    /// The conditions; those of the file may be followed by one of the design itself.
     pub(super) conditions: Vec<Shots>,
 }
 
@@ -64,7 +64,7 @@ impl Tool {
     /// The tool of a design and its measurements.
     ///
     /// # Errors
-    /// No variables; values of the design that do not yield a cycle.
+    /// If there are no variables, or the design's values do not yield a cycle.
     pub(super) fn new(design: &Design, measured: &Measurements, seed: u64) -> Result<Self, Error> {
         let variables = variables(design, measured)?;
         if variables.is_empty() {
@@ -102,7 +102,7 @@ impl Tool {
                 }
             })
             .collect();
-        // What the design requires is known of its own values, unless a condition with these says more.
+        // The design's own requirements apply to its own values, unless a condition with these values states more.
         let require = &design.study().require;
         let is_own = |own: &Shots| !own.outcomes.is_empty() && differing_keys(&[design, &own.design]).is_empty();
         if !require.is_empty() && !conditions.iter().any(is_own) {
@@ -127,7 +127,7 @@ impl Tool {
         })
     }
 
-    /// Number of the variables that are keys of the design.
+    /// Number of variables that are keys of the design.
     pub(super) fn keys(&self) -> usize {
         self.sampler.variables().len()
     }
@@ -140,12 +140,12 @@ impl Tool {
         }
     }
 
-    /// The point of the keys in the study's form.
+    /// The values of the keys in the form used by the study.
     pub(super) fn point(&self, z: &[f64]) -> Point {
         self.sampler.of_normal(&z[..self.keys()])
     }
 
-    /// The design of a point around the values of another.
+    /// The design with a point's values, otherwise equal to `around`.
     pub(super) fn design(&self, around: &Design, z: &[f64]) -> Option<Design> {
         drawn(around, &self.sampler, around, &self.point(z)).ok()
     }
@@ -153,7 +153,7 @@ impl Tool {
     /// The shot of a point under a condition.
     ///
     /// # Errors
-    /// Why there is none: `refused`, `dry_fire` or `solver_failure`.
+    /// Why the shot is missing: `refused`, `dry_fire` or `solver_failure`.
     pub(super) fn observe(&self, z: &[f64], condition: usize) -> Result<Observed, &'static str> {
         let own = &self.conditions[condition];
         let mut design = self.design(&own.design, z).ok_or("refused")?;
@@ -175,7 +175,7 @@ impl Tool {
 /// The record of a design's shot until `end` \[s\].
 ///
 /// # Errors
-/// As [`Tool::observe`].
+/// Same as [`Tool::observe`].
 pub(super) fn shot(design: &Design, end: f64) -> Result<CycleRecord, &'static str> {
     let settings = Settings {
         relative_tolerance: TOLERANCE,
@@ -223,7 +223,7 @@ impl Simulator for Tool {
     }
 }
 
-/// End of the record of a shot with these quantities \[s\].
+/// Length of the record needed for these quantities \[s\].
 fn end(design: &Design, quantities: &[Quantity], has_outcome: bool) -> f64 {
     let of_design = design.analysis.cycle_end;
     let ends = quantities.iter().map(|own| own.end(of_design));
@@ -241,7 +241,7 @@ fn number_of(design: &Design, key: &str) -> f64 {
     }
 }
 
-/// Families of the readings, each once.
+/// Families of the readings, without duplicates.
 fn families(measured: &Measurements) -> Vec<Family> {
     let mut families: Vec<Family> = measured.data.iter().filter_map(|own| own.quantity.family()).collect();
     families.sort_unstable();
@@ -249,7 +249,7 @@ fn families(measured: &Measurements) -> Vec<Family> {
     families
 }
 
-/// The variables of the cycle that no condition sets, narrowed where a key was measured.
+/// The variables of the cycle that no condition sets, narrowed if the key was measured.
 fn variables(design: &Design, measured: &Measurements) -> Result<Vec<Variable>, Error> {
     let mut designs = vec![design];
     designs.extend(measured.conditions.iter().map(|own| &own.design));
@@ -270,12 +270,12 @@ fn variables(design: &Design, measured: &Measurements) -> Result<Vec<Variable>, 
     Ok(variables)
 }
 
-/// The likelihood of the readings, those of `held_out` only predicted; `factors` widens their independent errors.
+/// The likelihood of the readings, of which `held_out` are only predicted; `factors` widen their independent errors.
 ///
-/// The model's error of a family is half common to its readings and half their own, in variance.
+/// Half of the variance of a family's model error is shared by its readings, and half is independent.
 ///
 /// # Errors
-/// Correlations that are not possible.
+/// If the correlations are impossible.
 pub(super) fn likelihood(
     tool: &Tool,
     measured: &Measurements,

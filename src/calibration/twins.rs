@@ -1,12 +1,12 @@
-//! Hidden twins: tools drawn from the ranges, measured with the stated errors, and calibrated. 90 % intervals should
-//! cover the hidden inputs and figures in 90 % of the cases.
+//! Hidden twins: tools are drawn from the ranges, measured with the stated errors, and calibrated. In 90 % of the
+//! cases, the 90 % intervals should contain the hidden inputs and figures.
 //!
 //! ```sh
 //! export NAILNOISE_TWINS=0..20 NAILNOISE_TWINS_STORE=/tmp/twins
 //! cargo test --release --lib hidden_twins -- --ignored --nocapture
 //! ```
 //!
-//! A twin that was interrupted goes on from the store. `NAILNOISE_TWINS_WRONG=drive` multiplies one reading by 1.3.
+//! An interrupted twin is resumed from the store. `NAILNOISE_TWINS_WRONG=drive` multiplies one reading by 1.3.
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
@@ -29,7 +29,7 @@ use crate::stages::{Progress, Silent};
 use crate::store::Store;
 use crate::study::{Drawn, Frame, Rejections};
 
-/// Three depths, air, three times, a speed and a pressure, at three pressures of the supply.
+/// Three depths, air, three times, a speed and a pressure, at three supply pressures.
 const FILE: &str = r#"
 schema = "nailnoise-calibration/1"
 [instrument]
@@ -113,7 +113,7 @@ shots = 1
 error = "2 %"
 "#;
 
-/// A seed apart from those of calibrations.
+/// A seed different from those of calibrations.
 const HIDDEN: u64 = 0x71D5_EED5;
 
 fn measurements(design: &Design, text: &str) -> Measurements {
@@ -123,7 +123,7 @@ fn measurements(design: &Design, text: &str) -> Measurements {
         .unwrap()
 }
 
-/// The text with these readings.
+/// The text filled with these readings.
 fn filled(readings: &[f64]) -> String {
     let mut text = FILE.to_owned();
     for (k, reading) in readings.iter().enumerate() {
@@ -132,7 +132,7 @@ fn filled(readings: &[f64]) -> String {
     text
 }
 
-/// A hidden tool that drives and whose exhaust ends within the record.
+/// A hidden tool that drives the nail and whose exhaust ends within the record.
 fn hidden(tool: &Tool, twin: u64) -> (Vec<f64>, Vec<f64>) {
     let bases: Vec<Values> = tool.conditions.iter().map(|own| Values::clone(&own.design)).collect();
     let active = vec![true; tool.keys()];
@@ -148,7 +148,7 @@ fn hidden(tool: &Tool, twin: u64) -> (Vec<f64>, Vec<f64>) {
         let predictions: Result<Vec<Vec<Prediction>>, _> =
             (0..tool.conditions.len()).map(|k| tool.predict(&z, k)).collect();
         let Ok(predictions) = predictions else { continue };
-        // In the order of the file: the first condition has all but two of the depths.
+        // In the order of the file: all but two of the depths are under the first condition.
         let own = [
             &predictions[0][..1],
             &predictions[1],
@@ -164,7 +164,7 @@ fn hidden(tool: &Tool, twin: u64) -> (Vec<f64>, Vec<f64>) {
     unreachable!("the sequence does not end")
 }
 
-/// The true values with errors as the file states them.
+/// The true values with errors as stated in the file.
 fn readings(tool: &Tool, measured: &Measurements, z: &[f64], truth: &[f64], twin: u64) -> Vec<f64> {
     let likelihood = super::tool::likelihood(tool, measured, &[], &Default::default()).unwrap();
     let error = |k: usize| {
@@ -182,6 +182,7 @@ fn calibrated(design: &Design, text: &str, store: &Store, seed: u64) -> Calibrat
         seed,
         hold_out: Vec::new(),
         treatment: Treatment::LeaveOut,
+        next: None,
     };
     let tool = Tool::new(design, &measured, seed).unwrap();
     let calibration = Calibration {
@@ -207,7 +208,7 @@ fn hidden_twins_are_covered() {
         |folder| Store::shared(&PathBuf::from(folder)).unwrap(),
     );
     let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
-    // Percentages of the readings are those of typical values.
+    // Percentage errors refer to typical values.
     let typical = filled(&[0.0, -5e-3, 3e-3, 1.2e-3, 4e-3, 12e-3, 50e-3, 20.0, 6e5]);
     let (mut inputs, mut figures, mut counted) = ([0, 0], [0, 0], 0);
     for twin in first.parse::<u64>().unwrap()..end.parse().unwrap() {

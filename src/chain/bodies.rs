@@ -1,4 +1,4 @@
-//! Bodies of a design, from mesh to modal coordinates, and the requirements of a run on them.
+//! Bodies of a design, from mesh to modal coordinates, and their preflight checks.
 
 use std::sync::Arc;
 
@@ -19,23 +19,23 @@ use crate::stages::{OnDemand, Stored};
 pub struct BodyStages {
     /// Its mesh with materials.
     pub meshed: Stored<Meshed>,
-    /// Its finite elements with load vectors.
+    /// Its finite elements, with load vectors.
     pub model: Stored<Model>,
-    /// Its modes with their shapes on every node.
+    /// Its modes, with their shapes at all nodes.
     pub modes: Stored<WholeModes>,
     /// The body in modal coordinates.
     pub body: Stored<Body>,
     /// Loss factor of all modes \[-\].
     pub loss_factor: f64,
-    /// Frequency up to which the result includes its motion \[Hz\].
+    /// Highest frequency at which the result includes its motion \[Hz\].
     pub top_hz: f64,
 }
 
 impl BodyStages {
-    /// Adds the stages of a body of a design, with the places of the shot's forces if it is `driven`.
+    /// Adds the stages of a body of a design; if it is `driven`, including the places where the forces of the shot act.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
+    /// [`Error::NoSuchBody`] for the worktable of a design without one; errors in materials and mesh file.
     pub fn add(graph: &Graph, design: &Design, kind: BodyKind, driven: bool) -> Result<Self, Error> {
         let BodyInputs {
             geometry,
@@ -77,7 +77,7 @@ impl BodyStages {
         })
     }
 
-    /// Displacement of the body's modes at a design's sensors on it; none without sensors.
+    /// Displacements of the body's modes at a design's sensors on it; none without sensors.
     pub(super) fn sensors(
         &self,
         graph: &Graph,
@@ -94,7 +94,7 @@ impl BodyStages {
     }
 }
 
-/// Bodies of a design that a run solves.
+/// Bodies of a design that are solved in a run.
 pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
     let mut kinds = vec![BodyKind::Workpiece];
     kinds.extend(supports::of(design).bodies());
@@ -102,21 +102,21 @@ pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
     kinds
 }
 
-/// The bodies of a design that a run solves.
+/// The bodies of a design that are solved in a run.
 pub(crate) struct Bodies {
     /// Workpiece, and worktable if there is one.
     pub(crate) structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
     pub(crate) tool: Option<BodyStages>,
-    /// Requirements of a run on each, known before any is solved.
+    /// Preflight check of each body, available before any body is solved.
     pub(crate) usable: Vec<Stored<Preflight>>,
 }
 
 impl Bodies {
-    /// Adds the bodies of a design. The tool and its support do not affect each other.
+    /// Adds the bodies of a design. The tool and its support are independent of each other.
     ///
     /// # Errors
-    /// As [`BodyStages::add`].
+    /// Same as [`BodyStages::add`].
     pub(crate) fn add(graph: &Graph, design: &Design) -> Result<Self, Error> {
         let add = |kind| Ok((kind, BodyStages::add(graph, design, kind, true)?));
         let solved: Vec<(BodyKind, BodyStages)> = solved_bodies(design)
@@ -140,13 +140,13 @@ impl Bodies {
         self.structure.iter().map(|stages| stages.body.clone()).collect()
     }
 
-    /// All in modal coordinates: the structure, then the tool.
+    /// All bodies in modal coordinates: the structure, then the tool.
     pub(crate) fn modal(&self) -> impl Iterator<Item = &Stored<Body>> {
         self.structure.iter().chain(&self.tool).map(|stages| &stages.body)
     }
 }
 
-/// Adds the requirements of a run on a body to a graph; `stages` are those of all its bodies.
+/// Adds the preflight check of a body to a graph; `stages` are those of all its bodies.
 fn requirements(
     graph: &Graph,
     design: &Design,
@@ -186,22 +186,22 @@ fn requirements(
     })))
 }
 
-/// A meshed body, and whether a run can use it.
+/// A meshed body, and whether it can be used in a run.
 pub struct CheckedBody {
     /// The mesh with materials.
     pub meshed: Arc<Meshed>,
-    /// Why a run cannot use it; empty for a body that no run of the design solves.
+    /// Why it cannot be used in a run; empty for a body that is not solved in any run of the design.
     pub problems: Vec<Error>,
 }
 
-/// Meshes bodies of a design and checks them as a run does before it solves any.
+/// Meshes bodies of a design and performs the checks that precede a run.
 pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBody, Error>> {
     let (graph, solved) = (Graph::default(), solved_bodies(design));
     let locate = |error| inputs::located(design, error);
     let others = solved.iter().filter(|kind| !kinds.contains(kind));
     let all = kinds.iter().chain(others);
     let added = all.map(|&kind| (kind, BodyStages::add(&graph, design, kind, solved.contains(&kind))));
-    // Each mesh before any check: a stage that reads a failed mesh no longer has the reason.
+    // All meshes are made before any check, because a stage that reads a failed mesh no longer knows the reason.
     let meshed = added.map(|(kind, stages)| {
         let meshed = stages.and_then(|stages| Ok((stages.meshed.get()?, stages)));
         (kind, meshed.map_err(locate))

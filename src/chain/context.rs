@@ -1,12 +1,12 @@
-//! What the stages of a design's shot are added with.
+//! Context in which the stages of a design's shot are added.
 
 use nailnoise_acoustics::Air;
 
-use super::shape::SharedShapes;
+use super::reference::SharedShapes;
 use crate::design::Design;
 use crate::graph::Graph;
 
-/// A design whose stages are added to a graph.
+/// A design whose stages are being added to a graph.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     /// The graph.
@@ -15,6 +15,6 @@ pub(crate) struct Context<'a> {
     pub(crate) design: &'a Design,
     /// The ambient air.
     pub(crate) air: Air,
-    /// Shapes that other designs share.
+    /// Shapes shared with other designs.
     pub(crate) shared: SharedShapes,
 }

@@ -1,7 +1,7 @@
-//! Motion of the bodies of a design: of workpiece and support for each start and coupling, of the tool for each cycle.
+//! Motion of the bodies of a design: of workpiece and support for each start and coupling, and of the tool for each
+//! cycle.
 
 use nailnoise_acoustics::radiation::radiator::Loading;
-use nailnoise_dynamics::{CycleRecord, Settings};
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Stored;
 use crate::stages::bodies::BodySensors;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::response::{
     Coupled, CoupledCycle, CoupledResponse, CoupledVibration, LinearResponse, Response, ShotInputs, Structure,
     Vibration,
@@ -26,8 +27,9 @@ pub(crate) struct Motions<'a> {
     /// How they radiate.
     pub(crate) radiators: &'a Radiators,
     /// The cycle with only the tool's lumped masses.
-    pub(crate) lumped: Stored<CycleRecord>,
-    settings: Settings,
+    pub(crate) lumped: Stored<ShotRecord>,
+    /// The engine of the cycle.
+    pub(crate) engine: Engine,
     /// The shot on workpiece and support.
     pub(crate) shot: ShotInputs,
     /// The shot on the tool.
@@ -37,7 +39,7 @@ pub(crate) struct Motions<'a> {
     /// Sensors on each body of the structure, and on the tool.
     on_structure: Vec<Option<Stored<BodySensors>>>,
     on_tool: Option<Stored<BodySensors>>,
-    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece if the cycle is coupled one way \[-\].
     pub(crate) force_scale: f64,
     /// Range of the levels \[Hz\].
     pub(crate) range_hz: [f64; 2],
@@ -47,8 +49,10 @@ pub(crate) struct Motions<'a> {
 
 /// The cycle that drives the bodies.
 pub(crate) struct Drive {
+    /// The engine of the cycle.
+    pub(crate) engine: Engine,
     /// The cycle with only the tool's lumped masses.
-    pub(crate) lumped: Stored<CycleRecord>,
+    pub(crate) lumped: Stored<ShotRecord>,
     /// Factor on the forces of the shot on the workpiece, if that cycle drives it one way \[-\].
     pub(crate) force_scale: f64,
 }
@@ -61,21 +65,21 @@ pub(crate) struct ToolMotion {
     pub(crate) motion: Stored<BodyMotion>,
 }
 
-/// Motion of workpiece and support with the cycle that drives it.
+/// Motion of workpiece and support, with the cycle that drives it.
 pub(crate) struct DrivenVibration {
     /// The cycle.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// The motion.
     pub(crate) vibration: Stored<Vibration>,
-    /// Both together, if they are coupled two ways.
+    /// Both combined, if they are coupled two ways.
     pub(crate) coupled: Option<Stored<Coupled>>,
 }
 
 impl<'a> Motions<'a> {
-    /// For the bodies of a design.
+    /// Creates the builder for the bodies of a design.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub(crate) fn new(
         context: Context<'a>,
         bodies: &'a Bodies,
@@ -94,9 +98,8 @@ impl<'a> Motions<'a> {
             bodies,
             radiators,
             lumped: drive.lumped,
-            settings: inputs::cycle::cycle_settings(design),
-            shot: inputs::response::shot(design)?,
-            tool_shot: inputs::response::tool(design)?,
+            shot: inputs::response::shot(design, &drive.engine)?,
+            tool_shot: inputs::response::tool(design, &drive.engine),
             structure: Structure {
                 bodies: bodies.structure_bodies(),
                 loss_factors: bodies.structure.iter().map(|stages| stages.loss_factor).collect(),
@@ -104,32 +107,34 @@ impl<'a> Motions<'a> {
             },
             on_structure: on_structure.collect::<Result<_, _>>()?,
             on_tool: on_tool.transpose()?.flatten(),
+            engine: drive.engine,
             force_scale: drive.force_scale,
             range_hz: [design.analysis.range_low, design.analysis.range_high],
             two_way: design.support.coupling == Coupling::TwoWay,
         })
     }
 
-    /// Whether the complete impedance of the air acts: it is requested, and the contact neither opens nor acts back on
+    /// Whether the full radiation impedance is used: it is requested, and the contact neither opens nor acts back on
     /// the cycle.
     pub(crate) fn is_linear(&self) -> bool {
         self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
     }
 
-    /// The shot from one of its starts, with the impedance of the air frozen at each mode's resonance.
+    /// The shot from one of its initial states, with the radiation impedance frozen at each mode's resonance.
     pub(crate) fn driven(&self, start: u32, two_way: bool) -> DrivenVibration {
         let shot = self.shot.with_start(start);
-        if !two_way {
+        // A design couples two ways only if the engine can.
+        let (true, Engine::Keys(cycle)) = (two_way, &self.engine) else {
             return DrivenVibration {
                 cycle: self.lumped.clone(),
                 vibration: self.one_way(shot),
                 coupled: None,
             };
-        }
+        };
         let both = self.graph.add(CoupledResponse {
             shot,
             structure: self.structure.clone(),
-            cycle: self.settings.clone(),
+            cycle: cycle.clone(),
         });
         DrivenVibration {
             cycle: self.graph.add(CoupledCycle(both.clone())),
@@ -147,7 +152,7 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// A response whose contact cannot open, with the complete impedance of the air.
+    /// A response whose contact cannot open, with the full radiation impedance.
     pub(crate) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &ShotInputs) -> Stored<Vibration> {
         self.graph.add(LinearResponse {
             frozen: frozen.clone(),
@@ -160,7 +165,7 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// The same shot one way with every contact bonded: with the impedance frozen, and with the complete one.
+    /// The same shot with one-way coupling and bonded contacts: with the frozen and with the full impedance.
     pub(crate) fn bonded(&self) -> [Stored<Vibration>; 2] {
         let bonded = self.shot.bonded();
         let frozen = self.one_way(bonded.clone());
@@ -168,7 +173,7 @@ impl<'a> Motions<'a> {
         [frozen, complete]
     }
 
-    /// Spectra of workpiece and support, with the signals of their sensors on request.
+    /// Spectra of workpiece and support, with the signals of their sensors if requested.
     pub(crate) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
         let bodies = self.bodies.structure.iter().zip(&self.on_structure).enumerate();
         let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
@@ -181,7 +186,7 @@ impl<'a> Motions<'a> {
     }
 
     /// Motion and spectra of an elastic tool in a cycle, with the impedance of the air that acts.
-    pub(crate) fn tool(&self, cycle: &Stored<CycleRecord>) -> Option<ToolMotion> {
+    pub(crate) fn tool(&self, cycle: &Stored<ShotRecord>) -> Option<ToolMotion> {
         let stages = self.bodies.tool.as_ref()?;
         let frozen = self.frozen_tool(stages, cycle);
         let complete = self.radiators.tool.as_ref();
@@ -203,13 +208,13 @@ impl<'a> Motions<'a> {
     }
 
     /// Spectra of an elastic tool with the impedance of the air frozen, for comparison with the complete one.
-    pub(crate) fn tool_with_frozen_impedance(&self, cycle: &Stored<CycleRecord>) -> Option<Stored<BodyMotion>> {
+    pub(crate) fn tool_with_frozen_impedance(&self, cycle: &Stored<ShotRecord>) -> Option<Stored<BodyMotion>> {
         let stages = self.bodies.tool.as_ref()?;
         self.radiators.tool.as_ref()?;
         Some(self.tool_analysed(stages, &self.frozen_tool(stages, cycle)))
     }
 
-    fn frozen_tool(&self, stages: &BodyStages, cycle: &Stored<CycleRecord>) -> Stored<Vibration> {
+    fn frozen_tool(&self, stages: &BodyStages, cycle: &Stored<ShotRecord>) -> Stored<Vibration> {
         let loads = self.radiators.tool.as_ref().map(|tool| tool.loads.clone());
         self.graph.add(ToolResponse {
             shot: self.tool_shot.clone(),
@@ -229,7 +234,7 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// The range of the levels up to a frequency \[Hz\].
+    /// The range of the levels, limited to a frequency \[Hz\].
     fn range_up_to(&self, top_hz: f64) -> [f64; 2] {
         let [low, high] = self.range_hz;
         [low, top_hz.min(high)]

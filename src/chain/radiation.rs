@@ -1,11 +1,11 @@
-//! Radiation per unit of modal motion, and fluid loads of the air on the modes.
+//! Radiation per unit of modal motion, and fluid loading of the modes.
 
 use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
 use nailnoise_acoustics::radiation::radiator::{FluidLoads, Loading, Radiator};
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
-use super::shape::{Standards, by_shape, standards};
+use super::reference::{ReferenceStructures, from_references, references};
 use crate::design::inputs;
 use crate::error::Error;
 use crate::stages::bodies::{Body, BodyKind};
@@ -16,15 +16,15 @@ use crate::stages::radiation::{
 use crate::stages::sound_fields::FieldMethod;
 use crate::stages::{Digest, OnDemand, Stored};
 
-/// How the bodies of a design radiate.
+/// Radiation of the bodies of a design.
 pub(crate) struct Radiators {
     /// The workpiece with its support.
     pub(crate) workpiece: WorkpieceStages,
-    /// Fluid loads of the air on the modes of workpiece and support.
+    /// Fluid loading of the modes of workpiece and support.
     pub(crate) workpiece_loads: Stored<Vec<FluidLoads>>,
     /// The tool, if boundary elements are requested.
     pub(crate) tool: Option<ToolStages>,
-    /// Fluid loads of the air that act on the modes.
+    /// The part of the fluid loading that acts on the modes.
     pub(crate) acts: Loading,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Radiators {
 pub(crate) struct WorkpieceStages {
     /// The radiator.
     pub(crate) radiator: Stored<Box<dyn Radiator>>,
-    /// The same with its pressures at the microphones.
+    /// The same, with pressures at the microphones.
     pub(crate) at_microphones: Stored<Box<dyn Radiator>>,
     /// How its sound field is computed.
     pub(crate) field: FieldMethod,
@@ -44,11 +44,11 @@ pub(crate) struct WorkpieceStages {
 pub(crate) struct ToolStages {
     /// Its boundary elements.
     pub(crate) elements: ToolRadiation,
-    /// The full body.
+    /// The complete body.
     pub(crate) whole: ToolMatrix,
-    /// A second column for each mode with only the cap in motion, if the cap belongs to another source.
+    /// With a second column for each mode in which only the cap moves, if the cap belongs to another source.
     pub(crate) cap: Option<ToolMatrix>,
-    /// Fluid loads of the air on its modes.
+    /// Fluid loading of its modes.
     pub(crate) loads: Stored<Vec<FluidLoads>>,
 }
 
@@ -56,7 +56,7 @@ pub(crate) struct ToolStages {
 pub(crate) struct ToolMatrix {
     /// The radiator.
     pub(crate) radiator: Stored<ModalBem>,
-    /// The same with its pressures at the microphones.
+    /// The same, with pressures at the microphones.
     pub(crate) at_microphones: Stored<ModalBem>,
     /// The key of its radiation matrix in standard air.
     key: Digest,
@@ -66,7 +66,7 @@ impl Radiators {
     /// Adds the radiation of a design's bodies.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub(crate) fn add(context: Context<'_>, bodies: &Bodies) -> Result<Self, Error> {
         let Context { graph, design, .. } = context;
         let acts = inputs::radiation::loading(design);
@@ -103,7 +103,7 @@ impl Radiators {
     }
 }
 
-/// Damping ratios of structures with these loss factors, if the air's mass acts.
+/// Damping ratios of structures with these loss factors, if the added mass acts.
 fn damping_ratios(acts: Loading, loss_factors: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
     (acts == Loading::Full).then(|| loss_factors.map(|loss_factor| 0.5 * loss_factor).collect())
 }
@@ -121,13 +121,13 @@ fn tool_radiation(context: Context<'_>, stages: &BodyStages, acts: Loading) -> R
     };
     // A user's housing has individual modes: most of the tool's mass is lumped on it, and the motion that standard
     // structures in its shape miss may be worth a decibel.
-    let standards = match design.body.mesh.is_empty() && shared.tool {
-        true => standards(graph, design, &[BodyKind::Tool])?,
-        false => Standards::new(),
+    let references = match design.body.mesh.is_empty() && shared.tool {
+        true => references(graph, design, &[BodyKind::Tool])?,
+        false => ReferenceStructures::new(),
     };
     let places = inputs::radiation::tool_places(design);
     let of = |shape: &RadiatingShape| {
-        let radiation = by_shape(graph, shape, &places, &standards, std::slice::from_ref(&stages.body));
+        let radiation = from_references(graph, shape, &places, &references, std::slice::from_ref(&stages.body));
         let at_microphones = radiation.at_microphones(graph);
         let key = *radiation.matrix.key();
         let [radiator, at_microphones] =
@@ -171,13 +171,13 @@ pub(crate) fn workpiece_radiation(context: Context<'_>, bodies: &[Stored<Body>])
     Ok(match inputs::radiation::workpiece(design)? {
         WorkpieceRadiation::BoundaryElements(elements) => {
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-            let standards = match shared.workpiece {
-                true => standards(graph, design, &kinds[..bodies.len()])?,
-                false => Standards::new(),
+            let references = match shared.workpiece {
+                true => references(graph, design, &kinds[..bodies.len()])?,
+                false => ReferenceStructures::new(),
             };
             let shape = RadiatingShape::Workpiece(elements.clone());
             let places = inputs::radiation::workpiece_places(design);
-            let radiation = by_shape(graph, &shape, &places, &standards, bodies);
+            let radiation = from_references(graph, &shape, &places, &references, bodies);
             let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
             WorkpieceStages {
                 radiator: radiator(WorkpieceMethod::BoundaryElements(matrix.clone())),

@@ -1,7 +1,6 @@
-//! The shot whose sound the sources emit: its cycle, and its bodies in motion.
+//! The shot whose sound is computed: its cycle, and the motion of its bodies.
 
 use nailnoise_acoustics::signals::SourceSpectrum;
-use nailnoise_dynamics::CycleRecord;
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
@@ -11,31 +10,32 @@ use crate::design::inputs;
 use crate::error::Error;
 use crate::stages::Stored;
 use crate::stages::apart::Apart;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::microphones::MicrophoneArray;
 use crate::stages::response::{Coupled, End, Vibration};
 use crate::stages::sources::{AnalysedSource, Analysis, Emission, Energy};
 use crate::stages::spectra::{BodyMotion, MovingBody};
 use crate::stages::tool_response::{ToolChecks, ToolReport};
 
-/// The stages of a shot up to the motion of the bodies, to which sources add theirs.
+/// The stages of a shot up to the motion of the bodies, to which sources add their own.
 pub(crate) struct ShotStages<'a> {
-    /// What its stages are added with.
+    /// Context for adding stages.
     pub(crate) context: Context<'a>,
     /// The bodies.
     pub(crate) bodies: &'a Bodies,
     /// How they radiate.
     pub(crate) radiators: &'a Radiators,
-    /// Adds their motion in other shots of the design.
+    /// Adds the bodies' motion in other shots of the design.
     pub(crate) motions: &'a Motions<'a>,
     /// The microphones.
     pub(crate) microphones: MicrophoneArray,
-    /// Seed of the jets' noise at the microphones.
+    /// Seed of the jet noise at the microphones.
     pub(crate) noise_seed: u32,
     /// The nailing cycle.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// Cycle and structure together, if they are coupled two ways.
     pub(crate) coupled: Option<Stored<Coupled>>,
-    /// Response of workpiece and support with the impedance of the air frozen at each mode's resonance.
+    /// Response of workpiece and support with the radiation impedance frozen at each mode's resonance.
     pub(crate) frozen: Stored<Vibration>,
     /// Response of workpiece and support.
     pub(crate) vibration: Stored<Vibration>,
@@ -53,7 +53,7 @@ impl<'a> ShotStages<'a> {
     /// Adds the motion of the bodies in the shot of a design.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub(super) fn add(context: Context<'a>, motions: &'a Motions<'a>, noise_seed: u32) -> Result<Self, Error> {
         let Context { graph, design, .. } = context;
         let DrivenVibration {
@@ -95,12 +95,12 @@ impl<'a> ShotStages<'a> {
         })
     }
 
-    /// Adds the energy of a source over frequency.
+    /// Adds the energy of a source as a function of frequency.
     pub(crate) fn energy<E: Emission>(&self, emission: E) -> Stored<Apart<SourceSpectrum>> {
         self.context.graph.add(Energy(emission))
     }
 
-    /// Adds the energy of a source over frequency and time.
+    /// Adds the energy of a source as a function of frequency and time.
     pub(crate) fn analysis<E: Emission>(&self, emission: E) -> Stored<AnalysedSource> {
         self.context.graph.add(Analysis {
             emission,
@@ -110,7 +110,7 @@ impl<'a> ShotStages<'a> {
         })
     }
 
-    /// Motion of workpiece and support, then that of the tool.
+    /// Motion of workpiece and support, followed by that of the tool.
     pub(super) fn all_motions(&self) -> Vec<Stored<BodyMotion>> {
         let tool = self.tool.iter().map(|tool| &tool.motion);
         self.structure.iter().chain(tool).cloned().collect()

@@ -18,6 +18,7 @@ use crate::design::inputs::assembly::AssembledTool;
 use crate::design::inputs::{bodies as inputs, located};
 use crate::design::{Design, Values};
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{BodyKind, FileUnit, MeshFile, Meshed, states_unit};
 
 /// Cost of the modes of a body below a frequency \[Hz\].
@@ -57,10 +58,10 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The option for the unit of a file.
+/// The option that gives the unit of a file.
 const UNIT: &str = "--unit";
 
-/// A file of the user that replaces a body of the design.
+/// A user's file that replaces a body of the design.
 #[derive(Args)]
 pub(super) struct Own {
     /// Mesh (.msh) or geometry (.step) that replaces the body, as if the design named it
@@ -72,10 +73,10 @@ pub(super) struct Own {
 }
 
 impl Own {
-    /// Enters the file into the design.
+    /// Enters the file in the design.
     ///
     /// # Errors
-    /// [`Error::StatedUnit`] where a unit is given for a file that states its own.
+    /// [`BodyError::StatedUnit`] where a unit is given for a file that states its own.
     pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) -> Result<(), Error> {
         let values: &mut Values = design;
         let (mesh, unit) = match kind {
@@ -90,14 +91,15 @@ impl Own {
             *mesh = path.to_string_lossy().into_owned();
         }
         if let (Some(given), true) = (self.unit, states_unit(Path::new(mesh))) {
-            return Err(Error::StatedUnit {
+            return Err(BodyError::StatedUnit {
                 path: PathBuf::from(&*mesh),
                 given: format!("{} mm", 1e3 * given),
                 given_in: UNIT,
-            });
+            }
+            .into());
         }
         *unit = match &self.mesh {
-            // The unit of the design is that of the file that it names.
+            // The design's unit belongs to the file named in the design.
             Some(path) if states_unit(path) => FileUnit::USUAL,
             _ => self.unit.unwrap_or(*unit),
         };
@@ -105,7 +107,7 @@ impl Own {
     }
 }
 
-/// A design with the choice of a body, or a mesh or geometry of any origin.
+/// A design and the choice of a body, or a mesh or geometry of any origin.
 #[derive(Args)]
 pub(super) struct Input {
     /// Design file (.toml), mesh (.msh, .msh.gz) or geometry (.step, .stp, .brep, .igs)
@@ -133,20 +135,20 @@ pub(super) struct Input {
     threads: Threads,
 }
 
-/// A mesh, with the body of a design that it is, if it is one.
+/// A mesh, with the design's body that it represents, if any.
 pub(super) struct Loaded {
-    /// Name for headings and files.
+    /// Name used in headings and files.
     pub(super) name: String,
     /// The mesh.
     pub(super) imported: Imported,
-    /// The body, and the frequency below which its modes are wanted \[Hz\].
+    /// The body, and the frequency below which modes are computed \[Hz\].
     pub(super) body: Option<(Arc<Meshed>, f64)>,
-    /// Why a run cannot use the body.
+    /// Why the body cannot be used in a run.
     pub(super) problems: Vec<Error>,
 }
 
 impl Input {
-    /// Reads or builds the mesh; checks also whether a run can use it, if it is `for_run`.
+    /// Reads or builds the mesh; if `for_run`, also checks whether a run can use the body.
     pub(super) fn load(&self, for_run: bool) -> Result<Loaded, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         if !is_design {
@@ -160,13 +162,14 @@ impl Input {
             let file = MeshFile::new(&self.path, unit, self.size, None)?.with_solid(self.solid.map(usize::from))?;
             let mut imported = file.import()?;
             if let Some(given_in) = unit.given_in.filter(|_| imported.states_metres && unit.metres != 1.0) {
-                return Err(Error::StatedUnit {
+                return Err(BodyError::StatedUnit {
                     path: self.path.clone(),
                     given: format!("{} mm", 1e3 * unit.metres),
                     given_in,
-                });
+                }
+                .into());
             }
-            // `check` lists the faults of a damaged mesh, everything else refuses it.
+            // `check` lists the faults of a damaged mesh; other commands reject it.
             if !for_run {
                 imported.validate()?;
             }
@@ -188,9 +191,10 @@ impl Input {
         let kind = BodyKind::from(self.body.ok_or(Error::NoBody)?);
         self.own.replace(&mut design, kind)?;
         if self.solid.is_some() {
-            return Err(Error::NoSolids {
+            return Err(BodyError::NoSolids {
                 path: self.path.clone(),
-            });
+            }
+            .into());
         }
         if let Some(size) = self.size {
             set_size(&mut design, kind, size);
@@ -214,7 +218,7 @@ impl Input {
         })
     }
 
-    /// The design, if no body of it is chosen.
+    /// The design, if no body is chosen.
     pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         (is_design && self.body.is_none())
@@ -236,7 +240,7 @@ impl Input {
         self.threads.start()
     }
 
-    /// Memory that the command may use.
+    /// Memory limit of the command.
     pub(super) fn memory(&self) -> MemoryLimit {
         self.memory.limit()
     }

@@ -122,7 +122,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::SUCCESS)
 }
 
-/// Reports a file that is not removed.
+/// Reports a file that was not removed.
 fn left(path: &Path) {
     message(&format!(
         "left: {} has the name of an entry, but nailnoise did not write it",

@@ -8,16 +8,17 @@ use nailnoise_quantities::rounded;
 use super::table::{table, texts};
 use super::{Common, Keeping, Status, message, print, print_json, progress};
 use crate::atomic_write::AtomicWrite;
-use crate::calibration::{self, CalibrationResult, ConflictRow, Request, Treatment};
+use crate::calibration::{self, CalibrationResult, ConflictRow, NextRow, Request, Treatment};
 use crate::error::Error;
 use crate::store::Store;
 use crate::{figures, report};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "calibration.json";
 
-/// Inputs that are printed.
+/// Inputs and further measurements that are printed.
 const SHOWN: usize = 12;
+const NEXT_SHOWN: usize = 8;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -25,6 +26,7 @@ const SHOWN: usize = 12;
         predicted now",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --hold-out depth-60" => "with one measurement as a \
         check",
+    "nailnoise calibrate my-tool.toml --next" => "what to measure first",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --draws 256 --moves 12" => "a quick look",
 ))]
 pub(super) struct Arguments {
@@ -33,8 +35,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     keeping: Keeping,
     /// File of measurements (TOML)
-    #[arg(long, value_name = "FILE")]
-    measured: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "next")]
+    measured: Option<PathBuf>,
     /// Number of draws from the posterior; an odd number is raised by one
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(64..=16_384))]
     draws: u32,
@@ -50,6 +52,12 @@ pub(super) struct Arguments {
     /// What is done with measurements that contradict each other
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Treatment::LeaveOut)]
     conflict: Treatment,
+    /// State what to measure next, by what it would tell of the levels in an hour of work; needs no measurements
+    #[arg(long)]
+    next: bool,
+    /// Number of draws whose levels are computed for --next
+    #[arg(long, value_name = "K", default_value_t = 128, value_parser = clap::value_parser!(u32).range(8..=4096))]
+    levels: u32,
     /// Keep candidates and draws in this folder, and not in the cache
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     store: Option<PathBuf>,
@@ -69,15 +77,18 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         seed: arguments.seed,
         hold_out: arguments.hold_out.clone(),
         treatment: arguments.conflict,
+        next: arguments.next.then_some(arguments.levels as usize),
     };
     let progress = progress();
     let set = &common.changes.set;
-    let (result, files) = calibration::calibrate(&store, &design, set, &arguments.measured, &request, &progress)?;
+    let (result, files) =
+        calibration::calibrate(&store, &design, set, arguments.measured.as_deref(), &request, &progress)?;
     progress.stage("writing files");
     let staging = AtomicWrite::within(&folder)?;
     let page = report::calibration(&result, &figures::calibration(&result));
     staging.write("calibration.html".as_ref(), page.as_bytes())?;
     staging.write("posterior.csv".as_ref(), &files.draws)?;
+    staging.write(calibration::JOINT.as_ref(), &files.joint)?;
     staging.write("calibrated.toml".as_ref(), files.design(&folder).as_bytes())?;
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     staging.write(LAST.as_ref(), json.as_bytes())?;
@@ -116,7 +127,7 @@ fn ends([low, high]: [f64; 2]) -> String {
     format!("{} .. {}", number(low), number(high))
 }
 
-/// A reading with its open ends.
+/// Formats a reading, which may be open-ended.
 fn reading([low, high]: [Option<f64>; 2]) -> String {
     match (low, high) {
         (Some(low), Some(high)) if low == high => number(low),
@@ -127,7 +138,7 @@ fn reading([low, high]: [Option<f64>; 2]) -> String {
     }
 }
 
-/// The result for the terminal.
+/// Formats the result for the terminal.
 fn text(result: &CalibrationResult) -> String {
     let mut text = format!(
         "{}: {} draws given {} ({} of {} candidates have the observed outcomes)\n",
@@ -160,7 +171,9 @@ fn text(result: &CalibrationResult) -> String {
         "verdict",
         "",
     ];
-    text.push_str(&format!("\n{}", texts(&headings, &rows)));
+    if !rows.is_empty() {
+        text.push_str(&format!("\n{}", texts(&headings, &rows)));
+    }
     for own in &result.conflicts {
         text.push_str(&format!("\n{}", conflict(own)));
     }
@@ -220,10 +233,49 @@ fn text(result: &CalibrationResult) -> String {
         })
         .collect();
     text.push_str(&table(&["the shot of the design", "before, P50 (90 %)", "now"], &rows));
+    text.push_str(&next(&result.next));
     for note in &result.notes {
         text.push_str(&format!("  - {note}\n"));
     }
     text
+}
+
+/// What to measure next.
+fn next(rows: &[NextRow]) -> String {
+    let Some(first) = rows.first() else {
+        return String::new();
+    };
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .take(NEXT_SHOWN)
+        .map(|own| {
+            let least = if own.is_bound { "at least " } else { "" };
+            vec![
+                own.measurement.clone(),
+                own.condition.clone(),
+                format!("{:.0}", own.minutes),
+                format!("{:.1}", own.width[1]),
+                format!("{:.2}", own.first[1]),
+                format!("{least}{:.2}", own.narrower_an_hour),
+                format!("{:+.3}", own.surer_an_hour),
+            ]
+        })
+        .collect();
+    let headings = [
+        "measure next",
+        "at",
+        "min",
+        "total, 90 %, dB",
+        "P(first)",
+        "narrower, dB/h",
+        "surer, 1/h",
+    ];
+    format!(
+        "\n{}  now {:.1} dB and P(first) {:.2}\n",
+        texts(&headings, &rows),
+        first.width[0],
+        first.first[0]
+    )
 }
 
 /// A conflict in words.

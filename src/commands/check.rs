@@ -1,4 +1,4 @@
-//! `nailnoise check`: whether a mesh can be trusted, and the cost of its modes; a design without a body is explained in
+//! `nailnoise check`: checks a mesh and estimates the cost of its modes; a design without a chosen body is explained in
 //! full.
 
 use std::path::PathBuf;
@@ -25,8 +25,8 @@ use crate::tables::fixed;
 pub(super) struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// Draw the tool at the dimensions of the design, every key at its place, in place of the check
-    /// [default FILE: out/NAME/drawing.svg]
+    /// Draw the tool at the dimensions of the design, every key at its place, in place of the check; of an assembly,
+    /// its network [default FILE: out/NAME/drawing.svg, out/NAME/network.svg]
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body",
         value_parser = super::drawing::svg_path)]
     drawing: Option<Option<PathBuf>>,
@@ -48,7 +48,7 @@ struct CheckResult {
     /// Number of the worst element in its file.
     worst_element: u64,
     unused_nodes: usize,
-    /// Tied interfaces between pieces.
+    /// Number of tied interfaces between pieces.
     ties: usize,
     parts: Vec<MeshPart>,
     groups: Vec<Group>,
@@ -56,7 +56,7 @@ struct CheckResult {
     faults: Vec<String>,
     /// Warnings for the user.
     warnings: Vec<String>,
-    /// Mass with lumped masses \[kg\]; none without a design.
+    /// Mass including lumped masses \[kg\]; none without a design.
     mass: Option<f64>,
     cost: Option<ModalCost>,
 }
@@ -74,18 +74,22 @@ struct MeshPart {
 struct Group {
     name: String,
     faces: usize,
-    /// Area \[m2\]; faces between two elements have none here.
+    /// Area \[m2\], excluding faces between two elements.
     area: f64,
     /// Centroid \[m\].
     centre: Option<[f64; 3]>,
-    /// Origin of its name: the file, the design, or a guess by its shape.
+    /// Origin of its name: the file, the design, or a guess from its shape.
     origin: &'static str,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.input.start_threads()?;
     if let Some(tool) = arguments.input.assembled()? {
-        return super::assembly::check(&tool, arguments.input.path(), arguments.json);
+        let path = arguments.input.path();
+        return match &arguments.drawing {
+            Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),
+            None => super::assembly::check(&tool, path, arguments.json),
+        };
     }
     let design = arguments.input.whole_design()?;
     if let Some(file) = &arguments.drawing {
@@ -148,7 +152,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         })
         .collect();
     let ties = body.map_or(0, |(meshed, _)| meshed.attachments.ties.len());
-    // Pieces of a body are checked with the other requirements of a run on it.
+    // Pieces of a body are checked together with the other preflight checks.
     let (mut faults, mut warnings) = findings(
         mesh,
         &quality,

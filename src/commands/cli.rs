@@ -1,4 +1,4 @@
-//! The commands of the program, and the one that a process runs.
+//! The commands of the program, and the entry point of a process.
 
 use std::ffi::OsString;
 
@@ -6,8 +6,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
     Status, cache, calibrate, check, coloured, compare, compare_measured, completions, cycle, declare, faults, init,
-    list, manual, measure, mesh, migrate, modes, optimise, prf, printed, progress, provide, report, run, schema, study,
-    sweep, test, verify, watch,
+    list, manual, measure, mesh, migrate, modes, optimise, penetration, printed, progress, provide, report, run,
+    schema, study, sweep, test, verify, watch,
 };
 use crate::error::Error;
 
@@ -77,7 +77,7 @@ enum Command {
     Check(check::Arguments),
     /// Penetration laws: evaluate published ones, fit own tests, plan tests, compute a test machine
     #[command(visible_alias = "prf")]
-    Penetration(prf::Arguments),
+    Penetration(penetration::Arguments),
     /// Record a virtual wrapping test of a design as EN 12549 measures it
     Test(test::Arguments),
     /// Levels of the sources from the recordings of a wrapping test
@@ -106,8 +106,8 @@ pub fn main() -> Status {
     main_with(std::env::args_os())
 }
 
-/// Runs a command line; the first argument is the name of the program. It installs handlers of signals and panics for
-/// the process, and wrong usage ends the process with status 2.
+/// Runs a command line whose first argument is the name of the program. Installs signal and panic handlers for the
+/// process; wrong usage ends the process with status 2.
 pub fn main_with(arguments: impl IntoIterator<Item = OsString>) -> Status {
     install_error_style();
     faults::install();
@@ -153,7 +153,7 @@ fn execute(cli: &Cli) -> Result<Status, Error> {
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),
         Command::Check(arguments) => check::execute(arguments),
-        Command::Penetration(arguments) => prf::execute(arguments),
+        Command::Penetration(arguments) => penetration::execute(arguments),
         Command::Test(arguments) => test::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
         Command::Verify(arguments) => verify::execute(arguments),
@@ -167,10 +167,10 @@ fn execute(cli: &Cli) -> Result<Status, Error> {
     }
 }
 
-/// Prints errors with a caret under the position in the design; without colour if the output is not a terminal.
+/// Prints errors with a caret below the position in the design; without colour if the output is not a terminal.
 fn install_error_style() {
     let colour = coloured();
-    // The hook can only be set once a process; a second command in the same process retains the first style.
+    // The hook can only be set once per process; a second command in the same process keeps the first style.
     let _ = miette::set_hook(Box::new(move |_| {
         Box::new(
             miette::MietteHandlerOpts::new()
@@ -194,7 +194,7 @@ mod tests {
         command.get_subcommands().for_each(|own| each(own, visit));
     }
 
-    /// The words of a line for a shell, up to a pipe or a redirection, without variables before the command.
+    /// The words of a shell command up to a pipe or redirection, without preceding variables.
     fn words(line: &str) -> Vec<String> {
         let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
         for letter in line.chars().chain([' ']) {
@@ -218,7 +218,7 @@ mod tests {
                 .lines()
                 .filter(|line| line.starts_with("  ") && !line.starts_with("   ") && line.contains("nailnoise "))
                 .collect();
-            // Of the subcommands of `cache` their parent has examples.
+            // The examples of the subcommands of `cache` are at their parent.
             let parent = ["list", "verify", "clear"].contains(&command.get_name());
             assert!(!examples.is_empty() || parent, "{} has no examples", command.get_name());
             for line in examples {
@@ -234,7 +234,7 @@ mod tests {
         assert!(count > 35, "{count} examples");
     }
 
-    /// Commands that compute or read a design take the same flags under the same names.
+    /// Commands that compute or read a design have the same flags with the same names.
     #[test]
     fn flags_are_alike() {
         let has = |command: &clap::Command, flag: &str| command.get_arguments().any(|own| own.get_long() == Some(flag));

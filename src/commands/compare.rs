@@ -1,4 +1,4 @@
-//! `nailnoise compare`: designs side by side.
+//! `nailnoise compare`: compares designs.
 
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,7 @@ use super::{
 };
 use crate::artifacts::Delivery;
 use crate::atomic_write;
+use crate::comparison::ComparisonError;
 use crate::comparison::{Comparison, Finished, Labelled, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -84,12 +85,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let progress = progress();
     let cache = arguments.keeping.cache()?;
     if let [design] = arguments.designs.as_slice() {
-        return Err(Error::NothingToCompare { path: design.clone() });
+        return Err(ComparisonError::NothingToCompare { path: design.clone() }.into());
     }
     if arguments.draws.is_some()
         && let Some(path) = arguments.designs.iter().find(|path| Finished::is_at(path).is_some())
     {
-        return Err(Error::NothingToDraw { path: path.clone() });
+        return Err(ComparisonError::NothingToDraw { path: path.clone() }.into());
     }
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     let mut folders = Vec::new();
@@ -140,12 +141,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 struct Layout<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// Each design against the first over common draws; absent without `--draws`.
+    /// Comparison of each design with the first over common draws; absent without `--draws`.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     paired: &'a [PairedStudy],
 }
 
-/// Each design against the first over common draws, on request.
+/// Compares each design with the first over common draws, if requested.
 fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<Vec<PairedStudy>, Error> {
     let Some(draws) = arguments.draws else {
         return Ok(Vec::new());
@@ -167,7 +168,7 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
     designs.iter().skip(1).map(pair).collect()
 }
 
-/// The changes of a design as a person reads them.
+/// Formats the changes of a design.
 fn changes(paired: &PairedStudy) -> String {
     format!(
         "\n{}\n\n{}",
@@ -204,7 +205,7 @@ fn finish(
     Ok((Finished::parse(&folder, &artifacts.json)?, Some(folder)))
 }
 
-/// The name, followed by a number if another result of the comparison has it.
+/// The name, followed by a number if another result of the comparison has the same name.
 fn free_name(name: &str, others: &[Finished]) -> String {
     let taken = |name: &str| others.iter().any(|other| other.name() == name);
     if !taken(name) {

@@ -1,4 +1,4 @@
-//! `nailnoise compare --measured`: predictions next to measurements, like with like.
+//! `nailnoise compare --measured`: compares predictions with measurements.
 
 use std::path::Path;
 
@@ -7,6 +7,7 @@ use nailnoise_pipeline::PipelineError;
 use super::{Status, compare::Arguments};
 use super::{print, print_json, progress, table};
 use crate::atomic_write;
+use crate::comparison::ComparisonError;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -18,7 +19,7 @@ use crate::virtual_test::comparison::{MeasuredComparison, Measurements, Predicte
 use crate::virtual_test::{VirtualTest, wrapping};
 use crate::wording::drawn_structures;
 
-/// Draws where `--draws` gives no number.
+/// Number of draws if `--draws` gives none.
 const DRAWS: u32 = 64;
 
 pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
@@ -34,12 +35,13 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Erro
     for design in &designs {
         let predicted = [design.analysis.range_low, design.analysis.range_high];
         if let Some(range) = measured.range_hz.filter(|range| *range != predicted) {
-            return Err(Error::MeasuredRange {
+            return Err(ComparisonError::MeasuredRange {
                 path: file.to_owned(),
                 measured: range,
                 design: design.name().to_owned(),
                 predicted,
-            });
+            }
+            .into());
         }
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
@@ -50,7 +52,7 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Erro
         ..Request::new(arguments.draws.unwrap_or(DRAWS) as usize, arguments.seed)
     };
     let mut predicted = Vec::new();
-    // The designs' own shots first: the draws then find modes and radiation.
+    // The designs' own shots come first, so that the draws find modes and radiation in the cache.
     let mut shots = Vec::new();
     for design in &designs {
         progress.stage(&format!("shot of {}", design.name()));

@@ -1,4 +1,4 @@
-//! The file of a comparison's page: its name follows from the compared files, and is never that of another comparison.
+//! The file of a comparison page: its name follows from the compared files and does not collide with other comparisons.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -12,10 +12,10 @@ use crate::wording::hexadecimal;
 /// Longest name without extension \[bytes\]; file systems allow 255.
 const LONGEST: usize = 120;
 
-/// Bytes at the beginning of a page that identify the compared files.
+/// Number of bytes at the start of a page that identify the compared files.
 const BEGINNING: u64 = 4096;
 
-/// Digest of the files that are compared, in their order: the same comparison, made again, has the same.
+/// Digest of the compared files in order; repeating the comparison yields the same digest.
 pub(super) fn identity(paths: &[PathBuf]) -> String {
     let mut digest = Sha256::new();
     for path in paths {
@@ -26,7 +26,7 @@ pub(super) fn identity(paths: &[PathBuf]) -> String {
     hexadecimal(&digest.finalize())
 }
 
-/// `OUT/compare-A-B.html`, with a number appended if the page of another comparison has this name.
+/// `OUT/compare-A-B.html`, with a number appended if the page of a different comparison has this name.
 pub(super) fn place(out: &Path, designs: &[String], identity: &str) -> PathBuf {
     let stem = stem(designs);
     let names = (1..).map(|number: u32| match number {
@@ -38,7 +38,7 @@ pub(super) fn place(out: &Path, designs: &[String], identity: &str) -> PathBuf {
     free.unwrap_or_else(|| out.join("compare.html"))
 }
 
-/// A name of a file on all systems. A result that is read may give its design any name.
+/// Makes a file name that is valid on all systems. A result read from a file may have any design name.
 fn stem(designs: &[String]) -> String {
     let safe = |c: char| {
         if c.is_alphanumeric() || "-_.+".contains(c) {
@@ -59,7 +59,7 @@ fn stem(designs: &[String]) -> String {
 
 fn is_of(path: &Path, identity: &str) -> bool {
     let mut beginning = Vec::new();
-    // Only a file can be read without waiting.
+    // Only regular files can be read without blocking.
     let read =
         path.is_file() && File::open(path).is_ok_and(|file| file.take(BEGINNING).read_to_end(&mut beginning).is_ok());
     read && String::from_utf8_lossy(&beginning).contains(&compared_by(identity).into_string())

@@ -1,4 +1,4 @@
-//! Sound of each design of a comparison: all sources at the microphone in front, on one scale for all designs.
+//! Sound of each design of a comparison: all sources at the front microphone, with a common scale.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::measurement::recordings::wav::{Coding, encode};
 use crate::report::Recording;
 
-/// The sound in the folder of a result.
+/// The sound file within the folder of a result.
 const SOUND: &str = "microphones/total-1.wav";
 
 /// A sound in pascals.
@@ -19,11 +19,10 @@ struct Sound {
     pressure: Vec<f64>,
 }
 
-/// The sounds of designs, by name and folder. A result without its folder of sounds is left out: the page is complete
-/// without them.
+/// The sounds of designs, by name and folder. A result without sounds is omitted; the page is complete without them.
 pub(super) fn recordings(results: &[(String, PathBuf)]) -> Vec<Recording> {
     let sounds: Vec<Sound> = results.iter().filter_map(|(name, folder)| read(name, folder)).collect();
-    // A single one cannot be compared.
+    // A single sound cannot be compared.
     if sounds.len() < 2 {
         return Vec::new();
     }

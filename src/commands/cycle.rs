@@ -1,4 +1,4 @@
-//! `nailnoise cycle`: one nailing cycle without its sound.
+//! `nailnoise cycle`: one nailing cycle, without sound.
 
 use std::path::{Path, PathBuf};
 
@@ -18,11 +18,11 @@ use crate::figures::{self, Chart};
 use crate::output::{self, Exports};
 use crate::penetration;
 use crate::result::{CycleFigures, DesignId};
-use crate::stages::cycle::Preset;
+use crate::stages::cycle::{Preset, event_times};
 use crate::tables::{self, dash, fixed};
 use crate::wording::figure;
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "events.csv";
 
 #[derive(Args)]
@@ -91,7 +91,7 @@ struct CycleResult<'a> {
     #[serde(flatten)]
     cycle: CycleFigures<'a>,
     work: &'a Work,
-    /// Files of the requested figures.
+    /// Files of the charts requested.
     figures: Vec<String>,
 }
 
@@ -110,7 +110,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     }
     let preset = arguments.as_published.map(Preset::from);
     let folder = match preset {
-        // Beside the files of the design itself, not over them.
+        // In a subfolder, so that the files of the design itself are not overwritten.
         Some(preset) if common.out.is_none() => common.out(&design)?.join(preset.as_str()),
         _ => common.out(&design)?,
     };
@@ -134,7 +134,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         (None, Some(path)) => format!(", penetration law of {path}"),
         (None, None) => String::new(),
     };
-    // The tables take most of the time of a shot; a program that reads the JSON value requests them by name.
+    // The tables take most of the time of a shot; a program that reads JSON requests them explicitly.
     let with_files = !common.json || common.out.is_some() || arguments.figures;
     let mut figures = Vec::new();
     if with_files {
@@ -166,7 +166,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(status)
 }
 
-/// The cycle of a tool that its file describes as an assembly.
+/// The cycle of a tool described by its file as an assembly.
 fn of_assembly(arguments: &Arguments, tool: &AssembledTool) -> Result<Status, Error> {
     let options = [
         ("--as-published", arguments.as_published.is_some()),
@@ -195,7 +195,7 @@ fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<Pa
         histories: true,
         ..Exports::default()
     };
-    for file in output::of_cycle(record, exports)? {
+    for file in output::of_keys(record, exports)? {
         staging.write(&file.path, &file.content)?;
     }
     let figures = figures::write(&staging, Path::new("figures"), charts)?;
@@ -209,7 +209,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         result.design.name,
         record.outcome.name().replace('_', " ")
     );
-    text.push_str(&table::text(&tables::cycle::events(record)));
+    text.push_str(&table::text(&tables::cycle::events(&event_times(&record.events))));
     text.push('\n');
     let summary = serde_json::to_value(&record.summary).unwrap_or_default();
     let rows: Vec<Vec<String>> = summary
@@ -238,7 +238,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
     text
 }
 
-/// Every term of the energy flow by its name; a group of terms by both names.
+/// Every term of the energy flow with its name; terms of a group have both names.
 fn energy(flow: &EnergyFlow) -> Vec<Vec<String>> {
     let row = |name: String, value: &serde_json::Value| vec![name.replace('_', " "), fixed(value.as_f64(), 4)];
     let value = serde_json::to_value(flow).unwrap_or_default();
@@ -252,7 +252,7 @@ fn energy(flow: &EnergyFlow) -> Vec<Vec<String>> {
     rows
 }
 
-/// A preset as text, appended to the name of the design.
+/// A preset as text that is appended to the name of the design.
 fn words_of(preset: Preset) -> &'static str {
     match preset {
         Preset::PublishedAll => ", every form as published",

@@ -7,7 +7,7 @@ use clap::Args;
 use super::{Changes, Keeping, Memory, Status, Threads, folder_of, message, print, print_json, progress, status_of};
 use crate::artifacts::Delivery;
 use crate::atomic_write;
-use crate::comparison;
+use crate::comparison::{self, ComparisonError};
 use crate::declaration::{self, Finished, Use};
 use crate::error::Error;
 use crate::output::Exports;
@@ -84,7 +84,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
         None => computed(arguments, &mut checks)?,
     };
-    let of: Finished = serde_json::from_str(&text).map_err(|error| Error::NotAResult {
+    let of: Finished = serde_json::from_str(&text).map_err(|error| ComparisonError::NotAResult {
         path: path.clone(),
         reason: error.to_string(),
     })?;

@@ -47,7 +47,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     let mut file = staging.file("draws.csv".as_ref())?;
     file.write(&row(header(&sampler))?)?;
     let mut failures = Vec::new();
-    // Every draw goes to the file at once: memory does not grow with their number.
+    // Every draw is written at once, so that memory does not grow with their number.
     let counted = sampler.each(&Graph::default(), count, &progress, |draw| {
         if let ShotOutcome::SolverFailure(error) = &draw.outcome {
             failures.push(Failure {
@@ -132,7 +132,7 @@ fn text(name: &str, seed: u64, sampler: &ShotSampler, study: &Counted) -> String
     text
 }
 
-/// Headings of `draws.csv`: a row for every design, its values in SI units.
+/// Headings of `draws.csv`, which has one row per design with values in SI units.
 fn header(sampler: &ShotSampler) -> Vec<String> {
     let figures = [
         "candidate",
@@ -158,7 +158,7 @@ fn header(sampler: &ShotSampler) -> Vec<String> {
         .collect()
 }
 
-/// Cells of a design drawn.
+/// Cells of a drawn design.
 fn cells(draw: &DrawnShot) -> Vec<String> {
     let (speed, depth, mass) = match &draw.outcome {
         ShotOutcome::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),

@@ -1,4 +1,4 @@
-//! `nailnoise check DESIGN --drawing`: the tool at the dimensions of its design, as an SVG file.
+//! `nailnoise check DESIGN --drawing`: draws the tool with the dimensions of its design as an SVG file.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::design::Design;
 use crate::drawing::Drawing;
 use crate::error::Error;
 
-/// A path that ends in .svg, so that no design is overwritten by a slip.
+/// A path that ends in .svg, so that a design cannot be overwritten by mistake.
 pub(super) fn svg_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
@@ -25,7 +25,7 @@ struct DrawingResult<'a> {
     schema: &'static str,
     design: &'a str,
     written: &'a Path,
-    /// Keys at their places, and the keys of each misfit with its parts.
+    /// Keys shown in the drawing, and the keys of each misfit with its parts.
     keys: Vec<&'a str>,
     misfits: Vec<MisfitResult<'a>>,
 }

@@ -1,4 +1,4 @@
-//! Effect of each input of a design on its total level, or on the depth of its nail if no study states the level.
+//! Effect of each input of a design on its total level, or on the depth of its nail if no study gives the level.
 
 use nailnoise_dynamics::Settings;
 use serde::Serialize;
@@ -8,17 +8,17 @@ use crate::design::{Design, Measurement, Provenance, facts};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
-use crate::stages::cycle::Cycle;
+use crate::stages::cycle::{Cycle, Engine};
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
 use crate::study::{self, Draws, OneAtATime, Request, Serving, StudyResult, Tally, taking_part};
 
-/// Interval of the samples of cycles that are read only for the depth \[s\].
+/// Sampling interval of cycles that are only used for the depth \[s\].
 const SAMPLES: f64 = 1e-3;
 
-/// The inputs that change a figure, the largest effect first.
+/// The inputs that change a result, in descending order of effect.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Effects {
-    /// The figure and how it was found.
+    /// The result, and how the effects were determined.
     pub(super) basis: String,
     /// Unit of the effects.
     pub(super) unit: &'static str,
@@ -31,10 +31,10 @@ pub(super) struct Effects {
 pub(super) struct Effect {
     /// The key, or another variable of a study.
     pub(super) key: String,
-    /// Its value and its range with readable units; empty if the variable is not a key.
+    /// Its value and range in readable units; empty if the variable is not a key.
     pub(super) value: String,
     pub(super) range: String,
-    /// The largest change that it makes, in the unit of the effects.
+    /// The largest change that it causes, in the unit of the effects.
     pub(super) effect: f64,
 }
 
@@ -43,15 +43,15 @@ pub(super) struct Effect {
 pub(super) struct ToMeasure {
     /// The key.
     pub(super) key: String,
-    /// The largest change that its uncertainty makes, in the unit of the effects.
+    /// The largest change that its uncertainty causes, in the unit of the effects.
     pub(super) effect: f64,
     #[serde(flatten)]
     pub(super) measurement: Measurement,
 }
 
 impl Effects {
-    /// Effects on the total from a known study of a design; without one, one input at a time if `compute`, else the
-    /// effects on the depth of the nail.
+    /// Effects on the total from a known study of a design. Without one: effects of one input at a time if `compute`,
+    /// else effects on the depth of the nail.
     pub(super) fn of(graph: &Graph, design: &Design, compute: bool, progress: &Progress) -> Result<Self, Error> {
         let known = Serving::of(graph.store(), design)?;
         match known.and_then(|serving| Self::of_study(&serving.result)) {
@@ -95,7 +95,7 @@ impl Effects {
         )
     }
 
-    /// The levels with one input at a time; none if the design itself has no levels.
+    /// The levels when varying one input at a time; none if the design itself has no levels.
     fn computed(graph: &Graph, design: &Design, progress: &Progress) -> Result<Self, Error> {
         let request = Request::new(0, 1);
         let made = Draws {
@@ -115,7 +115,7 @@ impl Effects {
         }
     }
 
-    /// Effects on the depth of the nail, only from the cycle with a lumped workpiece.
+    /// Effects on the depth of the nail, from the cycle with a lumped workpiece only.
     fn on_depth(graph: &Graph, design: &Design) -> Result<Self, Error> {
         let settings = Settings {
             sample_interval: SAMPLES,
@@ -137,7 +137,8 @@ impl Effects {
                 }
             }
         }
-        let outcomes = graph.get(Outcomes { cycles })?;
+        let engines = cycles.into_iter().map(|cycle| Engine::Keys(Box::new(cycle))).collect();
+        let outcomes = graph.get(Outcomes { engines })?;
         let depth = |outcome: &ShotOutcome| match outcome {
             ShotOutcome::Shot(shot) => Some(1e3 * shot.penetration),
             _ => None,
@@ -173,7 +174,7 @@ impl Effects {
         Self { basis, unit, inputs }
     }
 
-    /// With the values and ranges of the keys.
+    /// Adds the values and ranges of the keys.
     fn described(mut self, design: &Design) -> Self {
         for entry in design.entries() {
             if let Some(own) = self.inputs.iter_mut().find(|own| own.key == entry.key) {
@@ -188,7 +189,7 @@ impl Effects {
         self
     }
 
-    /// Inputs to measure, the largest effect first: those that can be measured and are not.
+    /// Inputs to measure, in descending order of effect: those that can be measured and have not been.
     pub(super) fn to_measure(&self, design: &Design) -> Vec<ToMeasure> {
         let entries = design.entries();
         let measured = |key: &str| {

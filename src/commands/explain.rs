@@ -24,17 +24,17 @@ use crate::stages::radiation::{WorkpieceRadiation, describe_gap};
 use crate::store::Store;
 use crate::study::{in_force, variables};
 
-/// Inputs in the table of effects.
+/// Number of inputs in the table of effects.
 const LISTED: usize = 12;
 
-/// Quantities to measure in their table.
+/// Number of quantities in the table of measurements.
 const MEASURED: usize = 8;
 
 /// Largest number of degrees of freedom of the bodies that are meshed and checked here \[-\]: a million take 7 s and
 /// 1.6 GB.
 const MESHED: f64 = 1e6;
 
-/// How much longer gmsh takes for a degree of freedom than the built-in meshers.
+/// Ratio of gmsh's time per degree of freedom to that of the built-in meshers.
 const GMSH: f64 = 8.0;
 
 /// Layout of `check DESIGN --json`.
@@ -43,27 +43,27 @@ struct Explanation {
     schema: &'static str,
     design: String,
     digest: String,
-    /// Number of values of each provenance.
+    /// Number of values with each provenance.
     provenance: BTreeMap<&'static str, usize>,
-    /// Whether a run is possible: the list of obstacles is empty.
+    /// Whether a run is possible, that is, there are no obstacles.
     runs: bool,
     /// How the shot ends, if the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
     /// The shot; null if it cannot be computed.
     shot: Option<ShotSummary>,
-    /// Values outside the ranges of such tools, or of the design.
+    /// Values outside the ranges for such tools or for the design.
     outside: Vec<OutsideValue>,
-    /// Effect of each input, the largest first.
+    /// Effect of each input, in descending order.
     effects: Effects,
-    /// Inputs to measure, the largest effect first.
+    /// Inputs to measure, in descending order of effect.
     measure_first: Vec<ToMeasure>,
-    /// Estimates with their ranges, widest first; those that this design does not use are left out.
+    /// Estimates with their ranges, widest first, excluding those not used by this design.
     estimates: Vec<Estimate>,
-    /// Estimates, and values without a source, that have no range: their uncertainty is unknown. Those that this design
-    /// does not use are left out.
+    /// Estimates, and values without a source, that have no range: their uncertainty is unknown. Those not used by this
+    /// design are excluded.
     unknowns: Vec<String>,
     bodies: Vec<BodyPlan>,
-    /// Estimated cost of each stage without a stored result, only from the design.
+    /// Estimated cost of each stage without a stored result, based on the design only.
     stages: Vec<StageCost>,
     /// The thin gap below the workpiece, and the error of its panels; null without a gap.
     gap: Option<String>,
@@ -77,16 +77,16 @@ struct Estimate {
     value: f64,
     unit: String,
     range: [f64; 2],
-    /// Width of the range over the value, if the value is not zero.
+    /// Width of the range relative to the value, if the value is not zero.
     relative: Option<f64>,
     source: String,
 }
 
-/// Outcome of the shot: the cycle is fast enough to be computed here.
+/// Outcome of the shot; the cycle is fast enough to be computed here.
 #[derive(Serialize)]
 struct ShotSummary {
     outcome: nailnoise_dynamics::Outcome,
-    /// In a sentence.
+    /// Description in a sentence.
     text: String,
     mean_drive_speed: Option<f64>,
     penetration: f64,
@@ -101,17 +101,17 @@ struct BodyPlan {
     /// Whether gmsh is needed for it.
     gmsh: bool,
     cost: Option<ModalCost>,
-    /// Whether it was meshed and checked; a large body is left to the run.
+    /// Whether it was meshed and checked; large bodies are left to the run.
     checked: bool,
 }
 
-/// The requests on a design.
+/// Options of the command.
 pub(super) struct Asked {
-    /// Memory that a stage may need.
+    /// Memory limit of a stage.
     pub(super) memory: MemoryLimit,
-    /// Whether JSON is printed.
+    /// Whether to print JSON.
     pub(super) json: bool,
-    /// Whether the effects of all inputs on the total are computed.
+    /// Whether to compute the effects of all inputs on the total.
     pub(super) effects: bool,
 }
 
@@ -119,7 +119,7 @@ pub(super) fn execute(design: &Design, asked: &Asked) -> Result<Status, Error> {
     let stages = cost::of_run(design)?;
     cost::refuse(design, &stages, asked.memory)?;
     let explanation = explain(design, stages, asked)?;
-    // Meshes change the costs of their modes.
+    // Meshing refines the estimated costs of the modes.
     cost::refuse(design, &explanation.stages, asked.memory)?;
     if asked.json {
         print_json(&explanation)?;
@@ -167,7 +167,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
             None => Vec::new(),
             Some(Ok(checked)) => {
                 let cost = modal_cost(&checked.meshed, inputs::below_hz(design, kind))?;
-                // The mesh is there by now.
+                // The mesh exists by now.
                 if let Some(stage) = stages.iter_mut().find(|stage| stage.stage == kind.modes()) {
                     stage.refine(&cost);
                 }
@@ -188,7 +188,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     }
     let record = match record {
         Ok(record) => Some(record),
-        // The same for a dry fire: an obstacle like others, reported together with all else.
+        // A dry fire is treated likewise: it is an obstacle like others and is reported together with the rest.
         Err(error @ Error::Cycle(_)) => {
             obstacles.push(format!("nailing cycle: {}", error.in_words()));
             None
@@ -230,8 +230,8 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     })
 }
 
-/// Error of the panels below a workpiece near the floor, if its radiation is by boundary elements. That of a user's
-/// mesh is known when it is read.
+/// Error of the panels below a workpiece near the floor, if boundary elements are used. For a user's mesh it is only
+/// known after reading.
 fn gap(design: &Design) -> Result<Option<String>, Error> {
     if !design.workpiece.mesh.is_empty() {
         return Ok(None);
@@ -283,7 +283,7 @@ fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
             _ => false,
         };
         let number = serde_json::to_value(&entry.value).is_ok_and(|value| value.is_number());
-        // The place of a surface names it, and settings of the analysis are choices: neither is an uncertain quantity.
+        // Positions of surfaces and analysis settings are choices instead of uncertain quantities.
         let place = entry.key.starts_with("surfaces.") || entry.key.starts_with("analysis.");
         unsure && number && !place && entry.range.is_none()
     };

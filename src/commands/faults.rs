@@ -1,5 +1,5 @@
-//! Faults of the program itself: a panic in any thread ends the command with a message and a separate status. A thread
-//! that the system refuses is not a fault: it ends the command as a wrong use of the machine does.
+//! Faults of the program itself: a panic in any thread ends the command with a message and a distinct status. If the
+//! system refuses a thread, that is not a fault of the program; the command ends as for wrong usage.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
@@ -10,10 +10,10 @@ use super::message;
 /// Exit status after a panic, the same for any Rust program.
 const FAULT: u8 = 101;
 
-/// Exit status where the system refuses threads.
+/// Exit status if the system refuses threads.
 const REFUSED: u8 = 2;
 
-/// Beginnings of the panics of the standard library and of others where the system refuses a thread or its stack.
+/// Start of panic messages in the standard library and elsewhere when the system refuses a thread or its stack.
 const NO_THREAD: [&str; 3] = [
     "failed to spawn thread",
     "failed to allocate an alternative stack",
@@ -23,7 +23,7 @@ const NO_THREAD: [&str; 3] = [
 /// Whether the system has refused a thread.
 static WITHOUT_THREAD: AtomicBool = AtomicBool::new(false);
 
-/// Shows panics as messages from now on.
+/// Replaces panic output with messages from now on.
 pub(super) fn install() {
     set_hook(Box::new(|fault| {
         if NO_THREAD.iter().any(|beginning| what(fault).starts_with(beginning)) {
@@ -37,7 +37,7 @@ pub(super) fn install() {
     }));
 }
 
-/// Warns of a limit of the address space, beyond which the program can only end: no message can be made then.
+/// Warns about a limit of the address space: if it is exceeded, the program ends without a message.
 pub(super) fn announce_limits() {
     if let Some(gigabytes) = crate::cost::address_space() {
         message(&format!(
@@ -55,9 +55,10 @@ fn refused(reason: &str) -> String {
     )
 }
 
-/// The result of the work, or the exit status if it panicked. Files that the work had begun to write are removed.
+/// Returns the result of the work, or the exit status if it panicked. Files that the work had started to write are
+/// removed.
 pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, u8> {
-    // Nothing of the work is used after a panic.
+    // Nothing produced by the work is used after a panic.
     catch_unwind(AssertUnwindSafe(work)).map_err(|_| match WITHOUT_THREAD.load(Ordering::SeqCst) {
         true => REFUSED,
         false => FAULT,
@@ -97,7 +98,7 @@ mod tests {
         assert_eq!(caught(|| 3), Ok(3));
     }
 
-    /// Threads of a pool and separate threads pass their panic on to the thread that waits for them.
+    /// Thread pools and separate threads propagate their panic to the thread that waits for them.
     #[test]
     fn a_panic_in_any_thread_gives_the_status_of_a_fault() {
         let in_pool = || (0..8).into_par_iter().for_each(|n| assert!(n != 5, "of a pool"));

@@ -1,4 +1,4 @@
-//! `nailnoise init`: a design to begin with.
+//! `nailnoise init`: writes a design to start from.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::wording::trimmed;
 /// The base of other designs, with all its comments and sources.
 const BASE: &str = "n80cb.toml";
 
-/// Name of a design where none is given.
+/// Name of a design if none is given.
 const OWN_NAME: &str = "my-tool.toml";
 
 /// A design based on it.
@@ -88,7 +88,7 @@ fn within(value: f64, [low, high]: [f64; 2], words: &str) -> Result<f64, String>
     }
 }
 
-/// A design that comes with the program, with its text.
+/// A design that comes with the program, and its text.
 fn shipped_design(name: &str) -> Result<(&'static str, &'static str), String> {
     shipped::design(name).ok_or_else(|| {
         let names: Vec<&str> = shipped::names().collect();
@@ -129,9 +129,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         return Err(Error::NameOfBase { path });
     }
     let mut text = String::new();
-    // The design last: it is of no use without its bases.
+    // The design is written last, because it is useless without its bases.
     for (path, content, what) in files.iter().rev() {
-        // Its owner may have changed an existing file.
+        // An existing file may have been changed by its owner.
         let kept = path.exists();
         if !kept {
             atomic_write::write(path, content.as_bytes())?;
@@ -148,7 +148,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::from(u8::from(!driven)))
 }
 
-/// The scaled design of a class.
+/// The scaled design for a class.
 fn of_class(arguments: &Arguments, class: &str, path: &Path) -> Result<Scaled, Error> {
     let request = Request {
         class: class.to_owned(),
@@ -161,7 +161,7 @@ fn of_class(arguments: &Arguments, class: &str, path: &Path) -> Result<Scaled, E
     scaling::scaled(&request, &path.to_string_lossy())
 }
 
-/// The shot of a scaled design in words.
+/// Describes the shot of a scaled design.
 fn told(scaled: &Scaled) -> String {
     let settled = &scaled.settled;
     let shot = &settled.shot;
@@ -283,7 +283,7 @@ mod tests {
     use super::*;
     use crate::design::Design;
 
-    /// Every design of the program, written without others into a folder, has the same values as in the repository.
+    /// Every design of the program, written to a folder of its own, has the same values as in the repository.
     #[test]
     fn every_design_of_the_program_is_written_with_its_bases() -> Result<(), Error> {
         let folder = std::env::temp_dir().join(format!("nailnoise-init-{}", std::process::id()));

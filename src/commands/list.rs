@@ -15,7 +15,7 @@ use crate::wording::{readable, trimmed};
 /// Version of the layout of `list --json`.
 const SCHEMA: &str = "nailnoise-list/2";
 
-/// The design whose steel gives the nails their mass.
+/// The design whose steel density determines the nails' mass.
 const BASE: &str = "base = \"n80cb.toml\"\n";
 
 #[derive(Args)]
@@ -48,7 +48,7 @@ enum What {
     Designs,
 }
 
-/// Layout of `list --json`; lists without a request are absent.
+/// Layout of `list --json`; lists not requested are absent.
 #[derive(Default, Serialize)]
 struct Lists {
     schema: &'static str,
@@ -114,7 +114,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::SUCCESS)
 }
 
-/// All, or the one of this name; case, hyphens and spaces do not matter.
+/// All entries, or the one with this name; case, hyphens and spaces are ignored.
 fn chosen(list: &'static str, all: Vec<Named>, name: Option<&str>) -> Result<Vec<Named>, Error> {
     let Some(name) = name else { return Ok(all) };
     let plain = |text: &str| text.to_lowercase().replace(['-', '_', ' '], "");
@@ -140,7 +140,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// A value over a scale, with a mark for an estimate and, on request, its range.
+/// A value divided by a scale, marked if it is an estimate, with its range if requested.
 fn cell(named: &Named, key: &str, (scale, digits): (f64, usize), with_range: bool) -> String {
     let Some(own) = value(named, key) else {
         return "-".to_owned();
@@ -263,7 +263,7 @@ fn mass(nail: &Named) -> Option<f64> {
     Some(design.nail.mass())
 }
 
-/// Every key that one name sets.
+/// Every key that a name sets.
 fn of_one(named: &[Named]) -> String {
     let rows = named.iter().flat_map(|named| &named.sets).map(|own| {
         let (unit, scale) = match own.unit.as_str() {
@@ -335,7 +335,7 @@ fn shipped_design(path: &'static str, text: &str) -> ShippedDesign {
 /// Width of a printed line.
 const WIDTH: usize = 100;
 
-/// Columns of text to the left; the last one continues in the lines below.
+/// Left-aligned text columns; the last one wraps.
 fn left<const N: usize>(headings: [&str; N], rows: Vec<Vec<String>>) -> String {
     let all: Vec<Vec<String>> = [headings.map(str::to_owned).to_vec()].into_iter().chain(rows).collect();
     let width = |column: usize| all.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);

@@ -17,7 +17,7 @@ use crate::measurement::{Manifest, arrangement::Arrangement};
 use crate::tables::measurement as tables;
 use crate::{figures, output, report};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "measurement.json";
 
 #[derive(Args)]
@@ -126,7 +126,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::SUCCESS)
 }
 
-/// Name of a test: of its manifest, or of the folder where the manifest is called so.
+/// Name of a test: that of its manifest, or of the manifest's folder if it has the default name.
 fn name_of(path: &Path) -> String {
     let stem = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let own = stem(path).filter(|name| !name.eq_ignore_ascii_case("manifest"));

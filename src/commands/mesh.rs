@@ -1,4 +1,4 @@
-//! `nailnoise mesh`: builds the mesh of a body, reads, converts and sizes meshes.
+//! `nailnoise mesh`: builds, reads, converts and analyses meshes of bodies.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! `nailnoise migrate`: a design file of an earlier version with the keys of today.
+//! `nailnoise migrate`: updates the keys of a design file of an earlier version.
 
 use std::path::PathBuf;
 
@@ -38,7 +38,7 @@ struct Report<'a> {
     written: bool,
 }
 
-/// Exit status 1 while the file has keys of earlier versions.
+/// The exit status is 1 if the file has keys of earlier versions.
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let migration = Migration::of(&arguments.design)?;
     let written = arguments.write && !migration.renamed.is_empty();

@@ -1,9 +1,9 @@
-//! The command line: one file a command, and their common parts (arguments, threads, progress, exit status).
+//! The command line: one file per command, and their common parts (arguments, threads, progress, exit status).
 //!
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong usage or input; 3 a numerical check failed; 101 a fault of the program; 130 interrupted.
 
-/// Commands as a user gives them, each with its purpose: the end of a help text.
+/// Example commands with their purpose, shown at the end of a help text.
 macro_rules! examples {
     ($($command:literal => $what:literal),+ $(,)?) => {
         concat!("Examples:", $("\n  ", $command, "\n      ", $what),+)
@@ -36,7 +36,7 @@ mod mesh;
 mod migrate;
 mod modes;
 mod optimise;
-mod prf;
+mod penetration;
 mod progress;
 mod provide;
 mod python;
@@ -92,12 +92,17 @@ struct Common {
 }
 
 impl Common {
-    /// Starts the threads, reads the design and prints its warnings.
+    /// Starts the threads, reads the design and prints its warnings. Refuses an assembly.
     fn begin(&self) -> Result<Design, Error> {
-        self.threads.start()?;
-        let design = self.changes.load(&self.design)?;
+        let design = self.begin_with_any_tool()?;
         design.refuse_assembly()?;
         Ok(design)
+    }
+
+    /// Starts the threads, reads the design and prints its warnings.
+    fn begin_with_any_tool(&self) -> Result<Design, Error> {
+        self.threads.start()?;
+        self.changes.load(&self.design)
     }
 
     /// The folder for the output files of this design.
@@ -109,7 +114,7 @@ impl Common {
     }
 }
 
-/// Memory that a command may use.
+/// Memory limit of a command.
 #[derive(Args)]
 struct Memory {
     /// Most memory that one stage may need, as 8GB [default: three quarters of what is free]
@@ -123,7 +128,7 @@ impl Memory {
     }
 }
 
-/// The folder under `out` that is named after the design in the file `path`.
+/// The folder below `out` that is named after the design in the file `path`.
 fn folder_of(out: &Path, name: &str, path: &Path) -> Result<PathBuf, Error> {
     if is_file_name(name) {
         return Ok(out.join(name));
@@ -143,7 +148,7 @@ struct Keeping {
 }
 
 impl Keeping {
-    /// The user's cache. If it cannot be used, a warning says so, and nothing is cached.
+    /// The user's cache. If it cannot be used, a warning is printed and nothing is cached.
     fn cache(&self) -> Result<Store, Error> {
         if self.no_cache {
             return Ok(Store::none());
@@ -158,7 +163,7 @@ impl Keeping {
     }
 }
 
-/// A run without a cache although the user did not request that.
+/// A run has no cache although the user did not request that.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("results are not cached: {cause}")]
 #[diagnostic(
@@ -169,7 +174,7 @@ struct WithoutCache {
     cause: StoreError,
 }
 
-/// Values over those of a design file.
+/// Values that override those of a design file.
 #[derive(Args)]
 struct Changes {
     /// Another value for a key of the design, as supply.pressure=80psig; may be repeated, the last one for a key counts
@@ -196,7 +201,7 @@ impl Changes {
         Ok(design)
     }
 
-    /// The same, without warnings of values outside their ranges: the command shows them itself.
+    /// Same as `load`, without warnings about values outside their ranges, which the command shows itself.
     fn load_without_ranges(&self, path: &Path) -> Result<Design, Error> {
         let design = Design::load_with(path, &self.set)?;
         let warnings = design.warnings().iter().filter(|own| !is_outside(own));
@@ -205,10 +210,10 @@ impl Changes {
     }
 }
 
-/// Largest number of values outside their ranges that are shown at their places in the file; more are shown as a table.
+/// Largest number of out-of-range values that are shown at their places in the file; more are shown as a table.
 const AT_THEIR_PLACE: usize = 3;
 
-/// Whether a warning is of a value outside its range.
+/// Whether a warning concerns a value outside its range.
 fn is_outside(warning: &Warning) -> bool {
     matches!(warning, Warning::OutsideRange { .. })
 }
@@ -239,7 +244,7 @@ struct Threads {
 }
 
 impl Threads {
-    /// Sets the size of the thread pool of the process; all cores without a number.
+    /// Sets the size of the process's thread pool; by default all cores.
     fn start(&self) -> Result<(), Error> {
         let number = match self.threads {
             Some(number) => usize::from(number),
@@ -252,10 +257,10 @@ impl Threads {
     }
 }
 
-/// Most threads that a command starts.
+/// Largest number of threads that a command starts.
 const MOST_THREADS: u16 = 1024;
 
-/// Number of threads from the variable of the thread pool; 0, which means all cores, without it.
+/// Number of threads from the thread pool's environment variable; 0, which means all cores, if it is not set.
 fn of_environment() -> Result<usize, Error> {
     let Some(found) = std::env::var_os("RAYON_NUM_THREADS").filter(|found| !found.is_empty()) else {
         return Ok(0);
@@ -272,7 +277,7 @@ fn coloured() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Status 0 if all checks pass, else 3 with the failed ones on standard error.
+/// Status 0 if all checks pass, else 3; failed checks are printed to standard error.
 fn status_of(checks: &[Check]) -> Status {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
@@ -293,12 +298,12 @@ fn message(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(text, coloured()));
 }
 
-/// Shows an error or a warning with its place and remedy on standard error.
+/// Prints an error or a warning with its place and remedy to standard error.
 fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
     message(format!("{:?}", miette::Report::new(diagnostic)).trim_end_matches('\n'));
 }
 
-/// The headline of a shot for standard output, the sentence in red; empty for a shot that drives.
+/// The headline of a shot for standard output, in red; empty for a shot that drives its nail.
 fn alarm(lines: &[String]) -> String {
     let (first, rest) = lines.split_at(lines.len().min(1));
     let first = first.iter().map(|line| red(line));
@@ -314,7 +319,7 @@ fn print(text: &str) -> Result<(), Error> {
     printed(std::io::stdout().lock().write_all(visible(text, false).as_bytes()))
 }
 
-/// Result of writing to standard output. A reader that has seen enough (`| head`) is not an error.
+/// Result of writing to standard output. If the reader stops reading (`| head`), this is not an error.
 fn printed(outcome: std::io::Result<()>) -> Result<(), Error> {
     match outcome.and_then(|()| std::io::stdout().flush()) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => Err(Error::Output { source }),

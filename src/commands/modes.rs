@@ -79,10 +79,10 @@ struct Mode {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let mut design = common.begin()?;
+    let mut design = common.begin_with_any_tool()?;
     arguments.own.replace(&mut design, arguments.body.into())?;
     let folder = common.out(&design)?;
-    // A file that cannot be used is found before time is spent.
+    // An unusable file is detected before time is spent on computing.
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
     let pairing = match arguments.by_number {
         true => Pairing::Number,
@@ -188,7 +188,7 @@ fn text(result: &ModesResult, body: &Body) -> String {
     text
 }
 
-/// Measured modes compared with computed ones.
+/// Formats the comparison of measured with computed modes.
 fn compared(correlation: &Correlation) -> String {
     let rows: Vec<Vec<String>> = correlation
         .pairs

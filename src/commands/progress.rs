@@ -1,4 +1,4 @@
-//! Progress on standard error: a spinner and bars on a terminal, one line a stage elsewhere, nothing with `--quiet`.
+//! Progress on standard error: a spinner and bars on a terminal, one line per stage elsewhere, nothing with `--quiet`.
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,14 +13,9 @@ use crate::stages::{Observer, Progress, Task};
 /// Whether `--quiet` was given.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Shows nothing from now on.
+/// Suppresses progress from now on.
 pub(super) fn silence() {
     QUIET.store(true, Ordering::Relaxed);
-}
-
-/// Whether nothing is shown.
-pub(super) fn is_quiet() -> bool {
-    QUIET.load(Ordering::Relaxed)
 }
 
 /// Shows a remark of a command without progress.
@@ -30,7 +25,7 @@ pub(super) fn note(text: &str) {
     }
 }
 
-/// Remarks below a table, one a line; none with `--quiet`.
+/// Remarks below a table, one per line; none with `--quiet`.
 pub(super) fn noted(notes: &[String]) -> String {
     match QUIET.load(Ordering::Relaxed) {
         true => String::new(),
@@ -59,10 +54,10 @@ pub(crate) fn progress() -> Progress {
     }))
 }
 
-/// Shows the stages of a run while it works.
+/// Shows the stages of a run as they proceed.
 struct Terminal {
     bar: Option<ProgressBar>,
-    /// One below the other: the stage, and a bar for each long task under way.
+    /// One line for the stage, and a bar for each long task in progress.
     lines: MultiProgress,
     tasks: Mutex<Vec<(&'static str, ProgressBar)>>,
     quiet: bool,

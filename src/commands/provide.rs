@@ -1,5 +1,5 @@
-//! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of
-//! today. It is for those who change the program, and is not listed by `--help`.
+//! `nailnoise provide`: makes or checks the studies of all shipped designs that come with the program. It is for
+//! developers of the program and is not listed by `--help`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,11 +16,11 @@ use crate::stages::Progress;
 use crate::store::Store;
 use crate::study::{self, ProvidedStudy, Request};
 
-/// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
+/// Smallest number of draws in a provided study, on which pages and the intervals of `run` are based.
 const FEWEST: usize = 128;
 
-/// Draws that are computed again where the code has changed, or values that the study does not draw. Each passes
-/// through all of it.
+/// Number of draws that are recomputed if the code has changed, or values that the study does not draw. Each draw
+/// passes through all of the code.
 const REPEATED: usize = 8;
 
 #[derive(Args)]
@@ -68,7 +68,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     studies.provide()
 }
 
-/// Name of the file of a design's study: `quieter/muffler.toml` has `quieter-muffler.json`.
+/// File name of a design's study: `quieter-muffler.json` for `quieter/muffler.toml`.
 fn file_name(path: &str) -> String {
     path.trim_end_matches(".toml").replace('/', "-") + ".json"
 }
@@ -76,31 +76,31 @@ fn file_name(path: &str) -> String {
 /// The studies of all shipped designs in a folder.
 struct Studies<'a> {
     folder: &'a Path,
-    /// Whether those are made anew that are of today.
+    /// Whether to remake studies that are up to date.
     anew: bool,
     store: Store,
     request: Request,
     progress: Progress,
 }
 
-/// A study of a shipped design that is of today.
+/// Status of a shipped design's study after an update.
 enum Current {
-    /// It is of today's design and code.
+    /// It was up to date in design and code.
     Unchanged,
-    /// The code has changed, and its first draws have the same levels.
+    /// The code has changed, but its first draws have the same levels.
     Renewed,
-    /// It was made anew, with so many draws or shots that cannot be computed.
+    /// It was remade; with the number of draws that cannot be computed.
     Made(usize),
 }
 
 impl Studies<'_> {
-    /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the
-    /// cache. A design whose study fails is named, and the others are made.
+    /// Updates the study of each shipped design, one after another; they share shots and structures through the cache.
+    /// If a study fails, its design is reported and the others are still made.
     fn provide(&self) -> Result<Status, Error> {
         let (mut failed, mut counts) = (Vec::new(), [0; 3]);
-        for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
-            self.progress
-                .note(&format!("study {number} of {}: {path}", shipped::DESIGNS.len()));
+        let all = shipped::studied().count();
+        for (number, path) in (1..).zip(shipped::studied()) {
+            self.progress.note(&format!("study {number} of {all}: {path}"));
             let Some(design) = Design::shipped(path) else {
                 failed.push(format!("{path}: the design cannot be read"));
                 continue;
@@ -132,7 +132,7 @@ impl Studies<'_> {
         })
     }
 
-    /// Brings the study of a design up to date.
+    /// Updates the study of a design.
     fn of(&self, path: &str, design: &Design) -> Result<Current, Error> {
         let (file, request) = (self.folder.join(file_name(path)), &self.request);
         let there = match fs::read_to_string(&file) {
@@ -162,8 +162,8 @@ impl Studies<'_> {
     }
 }
 
-/// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of
-/// another design or code.
+/// Lists the studies contained in the program. The status is 1 if a design has no study, or one with too few draws or
+/// for a different design or code.
 fn check() -> Result<Status, Error> {
     let states = ProvidedStudy::states()?;
     let is_good =

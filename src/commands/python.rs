@@ -1,4 +1,4 @@
-//! Commands that the Python package does: optimisers and schedulers are at home there.
+//! Work that the Python package does: schedulers of clusters are at home there.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -6,20 +6,14 @@ use std::path::Path;
 use nailnoise_meshes::child;
 
 use super::Common;
-use super::Status;
 use crate::design::Design;
 use crate::error::Error;
 
-/// Variable that names the interpreter.
+/// Environment variable that names the interpreter.
 const PYTHON: &str = "NAILNOISE_PYTHON";
 
 /// Calls `python -m nailnoise COMMAND`, which needs a package in addition to nailnoise; returns the exit status. It
 /// ends when this process ends, however that happens.
-pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<Status, Error> {
-    let status = status(needed, command, arguments)?;
-    Ok(Status::from(status))
-}
-
 fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<u8, Error> {
     let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
     let missing = |reason: String| Error::NoPython {
@@ -42,17 +36,16 @@ fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result
     let code = status.map_err(|error| missing(error.to_string()))?.code();
     match code.and_then(|code| u8::try_from(code).ok()) {
         Some(code) if code < KILLED => Ok(code),
-        // 1 would be a result: that no design meets the constraints.
         code => Err(Error::PythonEnded {
             signal: code.map_or(0, |code| code - KILLED),
         }),
     }
 }
 
-/// The number that a shell adds to the number of the signal that ended a program.
+/// The offset that a shell adds to the number of the signal that ended a program.
 const KILLED: u8 = 128;
 
-/// A cluster of Dask that fills the store of a command, which then states the same result as without it.
+/// A Dask cluster that fills the store of a command, which then reports the same result as without the cluster.
 pub(super) struct Cluster<'a> {
     /// Address of its scheduler.
     pub(super) scheduler: &'a str,
@@ -63,7 +56,7 @@ pub(super) struct Cluster<'a> {
 }
 
 impl Cluster<'_> {
-    /// Computes on the cluster the same as `python -m nailnoise COMMAND DESIGN` with these arguments.
+    /// Computes the same on the cluster as `python -m nailnoise COMMAND DESIGN` with these arguments.
     pub(super) fn fill(
         &self,
         command: &str,

@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal as _;
 
-/// Text for standard output in red; unchanged if standard output is not a terminal, or NO_COLOR is set.
+/// Red text for standard output; unchanged if standard output is not a terminal or NO_COLOR is set.
 pub(super) fn red(text: &str) -> String {
     let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     if colour {

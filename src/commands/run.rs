@@ -46,7 +46,7 @@ pub(super) struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
     let progress = progress();
@@ -58,7 +58,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             films: arguments.fields,
             histories: arguments.histories,
         },
-        // Scripts do not wait for a screening.
+        // Scripts should not wait for a screening.
         screening: !common.json,
         printer: printed,
         store: &cache,
@@ -92,7 +92,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     }
     let status = status_of(&checks);
     match artifacts.contradiction {
-        // The numbers are right: the design is outside its limits.
+        // The numbers are correct, but the design is outside its limits.
         Some(check) if status == Status::SUCCESS => {
             message(&format!("check failed: {}", check.name));
             Ok(Status::from(1))
@@ -101,7 +101,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     }
 }
 
-/// Runs a design and leaves its files in a folder; with films, the sound fields, too. The checks include those of the
+/// Runs a design and writes its files to a folder; with films, also the sound fields. The checks include those of the
 /// sound fields.
 pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check>), Error> {
     let delivered = delivery.deliver()?;
@@ -118,7 +118,7 @@ pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check
     Ok((delivered, checks))
 }
 
-/// A result for standard output.
+/// Formats a result for standard output.
 fn shown(text: &PrintedResult) -> String {
     let notes = match noted(&text.notes) {
         notes if notes.is_empty() => notes,
@@ -126,7 +126,7 @@ fn shown(text: &PrintedResult) -> String {
     };
     let (alarm, last) = match &text.headline {
         None => (String::new(), String::new()),
-        // The last line must state no less than the first.
+        // The last line repeats the warning of the first.
         Some(headline) => (
             super::alarm(&headline.lines()),
             format!("\n  {}\n", super::red(&headline.text)),
@@ -149,12 +149,14 @@ fn levels(result: &RunResult) -> String {
         text.push_str(&format!("\n  check against the draws FAILED: {}\n", check.name));
     }
     let [power, peak] = declaration::lines(&result.declaration, &result.ear);
-    text.push_str(&format!("\n  the shot: {}\n", result.performance.in_words()));
+    if let Some(performance) = &result.performance {
+        text.push_str(&format!("\n  the shot: {}\n", performance.in_words()));
+    }
     text.push_str(&format!("\n  declared: {power}\n  {peak}\n"));
     text
 }
 
-/// The parts of every source, loudest first.
+/// The parts of each source, loudest first.
 fn components(result: &RunResult) -> String {
     let mut text = format!("\n{}\n", table::text(&tables::parts(&result.ranking)));
     text.push_str(&table::text(&tables::methods(result)));
@@ -202,10 +204,10 @@ fn coupled(coupling: &Coupling) -> String {
     format!("\n{}", table::table(&headings, &rows))
 }
 
-/// Printed notes other than that on the shot, each by its first clause.
+/// Number of printed notes other than that on the shot, each reduced to its first clause.
 const CLAUSES: usize = 3;
 
-/// Result of the shot, and further notes: the report has all notes in full.
+/// Result of the shot, and further notes; the report contains all notes in full.
 fn in_short(result: &RunResult) -> Vec<String> {
     let (shot, more) = result.notes.split_at(result.notes.len().min(1));
     let clauses = more
@@ -221,7 +223,7 @@ fn in_short(result: &RunResult) -> Vec<String> {
     clauses.chain([methods]).collect()
 }
 
-/// Whether the checks of the computation pass; those that fail are named.
+/// Whether the checks of the computation pass; failed ones are named.
 fn checked(result: &RunResult) -> String {
     let checks: Vec<&Check> = result.numerical_checks().collect();
     let failed: Vec<&str> = checks
@@ -241,7 +243,7 @@ fn checked(result: &RunResult) -> String {
     }
 }
 
-/// The result as a terminal shows it.
+/// The result as shown in a terminal.
 pub(super) fn printed(result: &RunResult) -> PrintedResult {
     let mut levels = levels(result);
     if let Some(starts) = &result.starts {

@@ -1,4 +1,4 @@
-//! `nailnoise schema`: the layouts of the design file, for editors, and of the result, for programs that read it.
+//! `nailnoise schema`: the layouts of the design file, for editors, and of results, for programs that read them.
 
 use clap::{Args, ValueEnum};
 use schemars::schema_for;

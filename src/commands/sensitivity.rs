@@ -1,4 +1,4 @@
-//! `nailnoise cycle --sensitivity`: effect of the ranges of a design on its shot, parameter by parameter.
+//! `nailnoise cycle --sensitivity`: effect of a design's ranges on its shot, one parameter at a time.
 
 use std::fmt::Write as _;
 
@@ -15,7 +15,7 @@ use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
 use crate::tables::dash;
 
-/// Parameters shown for each figure; the file has them all.
+/// Number of parameters shown for each result; the file contains all.
 const SHOWN: usize = 10;
 
 /// Layout of `cycle --sensitivity --json`.
@@ -139,7 +139,7 @@ fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
     ]
 }
 
-/// Five digits, with a power of ten where the number is far from one.
+/// Five digits, with a power of ten for very large or small numbers.
 fn short(value: f64) -> String {
     if value == 0.0 || (1e-2..1e5).contains(&value.abs()) {
         let digits = if value == 0.0 {
@@ -161,7 +161,7 @@ fn end(end: &End) -> String {
     }
 }
 
-/// `sensitivity.csv`: a row for every figure and parameter.
+/// `sensitivity.csv`: one row for each result and parameter.
 fn csv(sensitivity: &Sensitivity) -> Result<Vec<u8>, Error> {
     let header = [
         "output",

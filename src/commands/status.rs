@@ -1,6 +1,6 @@
 //! Exit status of a command.
 //!
-//! `std::process::ExitCode` has no accessor for its number, which the Python package passes to `sys.exit`.
+//! `std::process::ExitCode` does not give access to its number, which the Python package passes to `sys.exit`.
 
 use std::process::ExitCode;
 
@@ -13,7 +13,7 @@ impl Status {
     /// Done.
     pub const SUCCESS: Self = Self(0);
 
-    /// The number that the system receives.
+    /// The number that the operating system receives.
     pub fn code(self) -> u8 {
         self.0
     }

@@ -1,4 +1,4 @@
-//! `nailnoise study`: levels and orders over designs drawn from the ranges of one.
+//! `nailnoise study`: levels and rankings over designs drawn from the ranges of one.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -18,10 +18,11 @@ use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
 use crate::store::Store;
+use crate::study::StudyError;
 use crate::study::{self, Draws, Estimate, ProvidedStudy, Request, StudyResult, Subset};
 use crate::{figures, report, shipped};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "study.json";
 
 #[derive(Args)]
@@ -108,7 +109,7 @@ struct TaskResult {
     task: [u32; 2],
     /// Draws of this task whose levels are in the store.
     draws: usize,
-    /// Draws that cannot be computed, with the message.
+    /// Draws that cannot be computed, with their messages.
     failures: Vec<(usize, String)>,
     store: PathBuf,
 }
@@ -116,12 +117,12 @@ struct TaskResult {
 /// Number of draws in the first step, if a limit determines the final number.
 const AT_FIRST: usize = 32;
 
-/// A limit for half of an interval.
+/// A limit on half of an interval.
 #[derive(Debug, Clone, Copy)]
 enum Until {
-    /// Of the probability of being first, for each source.
+    /// For the probability of being first, for each source.
     Order(f64),
-    /// Of the median of the total \[dB\].
+    /// For the median of the total \[dB\].
     Median(f64),
 }
 
@@ -146,7 +147,7 @@ impl FromStr for Until {
 }
 
 impl Until {
-    /// Whether a study is within the limit.
+    /// Whether a study satisfies the limit.
     fn is_met(self, result: &StudyResult) -> bool {
         let within = |estimate: &Estimate, limit: f64| estimate.half_width().is_some_and(|half| half <= limit);
         match self {
@@ -158,7 +159,7 @@ impl Until {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("study");
     let shipped = shipped::design(design.name()).map(|(path, _)| path);
     if arguments.provide.is_some() && shipped.is_none() {
@@ -167,9 +168,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         });
     }
     if arguments.groups && arguments.structures.is_some() {
-        return Err(Error::GroupsOfStructures {
+        return Err(StudyError::GroupsOfStructures {
             study: format!("nailnoise study {}", design.path().display()),
-        });
+        }
+        .into());
     }
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let progress = progress();
@@ -214,7 +216,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
         }
         let (result, made) = study::study(&store, &design, &request, &progress)?;
-        // If candidates run out, more draws are useless.
+        // If candidates run out, more draws cannot be made.
         if request.draws >= most
             || result.draws < request.draws
             || arguments.until.iter().all(|own| own.is_met(&result))
@@ -292,7 +294,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     })
 }
 
-/// Reports the points or draws that cannot be computed, each reason once, in the order of first appearance.
+/// Reports the points or draws that cannot be computed, each reason once, in order of first appearance.
 fn report_failures<N: std::fmt::Display>(what: &str, failures: &[(N, String)]) {
     let mut reasons: Vec<(&str, &N, usize)> = Vec::new();
     for (number, reason) in failures {
@@ -311,7 +313,7 @@ fn report_failures<N: std::fmt::Display>(what: &str, failures: &[(N, String)]) {
     }
 }
 
-/// Writes a study of a shipped design for those who have the program.
+/// Writes a study of a shipped design, to be included in the program.
 fn provide(
     file: &Path,
     (arguments, path): (&Arguments, &str),
@@ -326,7 +328,7 @@ fn provide(
     atomic_write::write(file, provided.file()?.as_bytes())
 }
 
-/// A request in the words of the Python package.
+/// A request as arguments of the Python package.
 fn arguments_of(request: &Request) -> Vec<String> {
     let numbers = [("--draws", request.draws as u64), ("--seed", request.seed)];
     let each = request.shots_a_structure.map(|each| ("--structures", each as u64));
@@ -336,7 +338,7 @@ fn arguments_of(request: &Request) -> Vec<String> {
         .collect()
 }
 
-/// States the result of a task.
+/// Reports the result of a task.
 fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<Status, Error> {
     progress.end();
     report_failures("draw", &made.failures);
@@ -360,7 +362,7 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(Status::SUCCESS)
 }
 
-/// What made a study, in words.
+/// The command that made a study.
 pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
     format!(
         "nailnoise study designs/{path} -n {} --seed {}{options}",

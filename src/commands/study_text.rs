@@ -1,4 +1,4 @@
-//! The result of `nailnoise study` as a person reads it.
+//! Formats the result of `nailnoise study` as text.
 
 use std::fmt::Write as _;
 
@@ -8,10 +8,10 @@ use crate::study::{Condition, Contributions, GroupStudy, OneAtATime, StudyResult
 use crate::tables::study as tables;
 use crate::wording::drawn_structures;
 
-/// Inputs printed for each level.
+/// Number of inputs printed for each level.
 const PRINTED: usize = 6;
 
-/// Surrogates: how much they predict, and the total indices of the inputs where that is enough.
+/// Surrogates: how well they predict, and the total indices of the inputs if that is good enough.
 fn of_surrogates(surrogates: &[Surrogate]) -> String {
     let Some(degree) = surrogates.iter().map(|own| own.degree).max() else {
         return String::new();
@@ -23,7 +23,7 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
     )
 }
 
-/// The value that the largest contribution exceeds by chance.
+/// The threshold that the largest contribution exceeds by chance.
 fn by_chance(own: &Contributions) -> String {
     match own.by_chance_of_structures {
         None => format!("{:.2}", own.by_chance),
@@ -40,7 +40,7 @@ fn of_single_inputs(own: &OneAtATime) -> String {
     )
 }
 
-/// The inputs that decide whether a shot counts.
+/// The inputs that determine whether a shot counts.
 fn of_condition(own: &Condition) -> String {
     let text = format!(
         "\n  {:.1} % of {} shots count; inputs that decide it by more than chance ({:.3}):\n",
@@ -54,7 +54,7 @@ fn of_condition(own: &Condition) -> String {
     text + &table::text(&tables::condition(own, PRINTED)) + "\n"
 }
 
-/// The groups of inputs that decide each level.
+/// The groups of inputs that determine each level.
 fn of_groups(study: &GroupStudy) -> String {
     let mut text = format!(
         "\n  groups of inputs, by {} draws with two partners for each group; first-order index: part of the variance \
@@ -71,7 +71,7 @@ fn of_groups(study: &GroupStudy) -> String {
     text
 }
 
-/// Levels, orders, and the inputs that decide them.
+/// Levels, rankings, and the inputs that determine them.
 pub(super) fn text(result: &StudyResult) -> String {
     let structures = drawn_structures(result.structures);
     let drawn = result.variables.iter().filter(|variable| variable.drawn).count();

@@ -16,12 +16,13 @@ use crate::figures::{self, Chart};
 use crate::graph::Graph;
 use crate::headline;
 use crate::output::{self, Exports};
+use crate::report;
 use crate::result::DesignId;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 use crate::tables::sweep::{self as tables, sources};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]
@@ -56,6 +57,9 @@ pub(super) struct Arguments {
     /// Draw the levels over the first key as SVG
     #[arg(long)]
     figures: bool,
+    /// Also run each point and leave its report and result in a folder named after its values, which the page opens
+    #[arg(long)]
+    reports: bool,
     /// Also run each point and leave its films and sound fields for ParaView, report and result in a folder named after
     /// its values. Each takes as long as `nailnoise run --fields`
     #[arg(long)]
@@ -73,7 +77,7 @@ struct Layout<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("sweep");
     let progress = progress();
     progress.stage("levels over the grid");
@@ -101,20 +105,20 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let mut points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
     headline::explain_first(&graph, base, &arguments.vary, &mut points)?;
     let mut checks = Vec::new();
-    if arguments.fields {
+    if arguments.fields || arguments.reports {
         name_folders(&mut points, &arguments.vary);
-        let films = Exports {
-            films: true,
+        let exports = Exports {
+            films: arguments.fields,
             ..Exports::default()
         };
         for point in &points {
             let Some(name) = &point.folder else { continue };
-            progress.note(&format!("films of {name}"));
+            progress.note(&format!("run of {name}"));
             let design = at_point(base, &arguments.vary, &point.values)?;
             let (_, own) = delivered(&Delivery {
                 design: &design,
                 folder: &folder.join(name),
-                exports: films,
+                exports,
                 screening: false,
                 printer: super::run::printed,
                 store: graph.store(),
@@ -125,8 +129,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
     }
     let staging = AtomicWrite::within(&folder)?;
+    let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
+    let page = report::swept(design.name(), &arguments.vary, &points, &chart);
+    staging.write("sweep.html".as_ref(), page.as_bytes())?;
     if arguments.figures {
-        let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
         figures::write(&staging, "figures".as_ref(), &[chart])?;
     }
     staging.write(LAST.as_ref(), &csv(&arguments.vary, &points)?)?;
@@ -142,12 +148,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     } else {
         print(&super::alarm(&headline::alarms(&points)))?;
         print(&text(design.name(), &arguments.vary, &points))?;
-        print(&format!("\n  files in {}\n", folder.display()))?;
+        print(&format!("\n  {}\n", folder.join("sweep.html").display()))?;
     }
     Ok(status_of(&checks))
 }
 
-/// Names a folder for each point with levels after its values.
+/// Names a folder after its values for each point that has levels.
 fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     let safe = |c: char| {
         if c.is_alphanumeric() || "=.,+-_".contains(c) {

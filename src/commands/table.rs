@@ -1,9 +1,9 @@
-//! Tables as plain text: columns as wide as their widest cell.
+//! Plain-text tables with columns as wide as their widest cell.
 
 use super::red::red;
 use crate::tables::{Cell, Column, Content, Table};
 
-/// A table with its legend.
+/// Formats a table with its legend.
 pub(super) fn text(table: &Table) -> String {
     let shown: Vec<(usize, &Column)> = table
         .columns
@@ -40,7 +40,7 @@ pub(super) fn text(table: &Table) -> String {
     text
 }
 
-/// A table whose first column is words and whose others are numbers.
+/// A table with text in the first column and numbers in the others.
 pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     let columns = headings.iter().enumerate();
     let columns = columns.map(|(place, heading)| match place {
@@ -50,7 +50,7 @@ pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     text(&Table::new(columns, cells(rows)))
 }
 
-/// A table of words.
+/// A table of text.
 pub(super) fn texts(headings: &[&str], rows: &[Vec<String>]) -> String {
     text(&Table::new(
         headings.iter().map(|heading| Column::words(*heading)),
@@ -68,7 +68,7 @@ fn plain(heading: &str) -> String {
     crate::figures::subscripts(heading, "_", "")
 }
 
-/// A cell: an estimate is followed by its half width, or after a comma by its bound.
+/// Formats a cell: an estimate is followed by its half width or, after a comma, by its bound.
 fn one(cell: &Cell) -> String {
     let text = &cell.text;
     match cell.spread.as_str() {

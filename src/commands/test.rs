@@ -23,7 +23,7 @@ use crate::virtual_test::bare::{BareLevels, BareSource};
 use crate::virtual_test::exact::{ExactTest, exact};
 use crate::virtual_test::{VirtualTest, wrapping};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "manifest.toml";
 
 #[derive(Args)]
@@ -64,15 +64,15 @@ struct TestResult {
     design: DesignId,
     wraps: Wraps,
     seed: u64,
-    /// How the design's shot ends, if it does not drive; null otherwise.
+    /// How the design's shot ends, if it does not drive its nail; null otherwise.
     headline: Option<Headline>,
-    /// Without scatter: the design's own shot.
+    /// Without scatter, for the design's own shot.
     exact: ExactTest,
     /// The manifest of the recordings; null with `--energies`.
     manifest: Option<String>,
-    /// The sources of the shots before they are wrapped; empty with `--energies`.
+    /// The sources of the shots before wrapping; empty with `--energies`.
     recorded: Vec<BareSource>,
-    /// Recordings written.
+    /// Number of recordings written.
     shots: usize,
 }
 
@@ -124,8 +124,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::SUCCESS)
 }
 
-/// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources
-/// bare.
+/// Writes the recordings of all configurations with their manifest; returns the number of shots, and the unwrapped
+/// sources.
 fn record(
     design: &Design,
     test: &VirtualTest<'_>,
@@ -146,7 +146,8 @@ fn record(
             bare_levels.add(configuration, &bare);
             let shot = test.record(&bare, configuration, repeat);
             peaks.add(&shot);
-            // One full scale for all: that of the loudest configuration, the first, with room for scatter.
+            // A common full scale for all: that of the first configuration, which is the loudest, with room for
+            // scatter.
             if place == 0 && repeat == 0 {
                 full_scale = crate::stages::microphones::full_scale(4.0 * test.peak(&bare));
             }

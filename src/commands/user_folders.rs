@@ -1,4 +1,4 @@
-//! Folders of the user, by the XDG Base Directory Specification; on Windows by its own variables.
+//! Folders of the user, according to the XDG Base Directory Specification; on Windows according to its own variables.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ fn find(
     found.ok_or(Error::NoUserFolder { what, variable })
 }
 
-/// The folder `share` next to the folder `bin` of this program, if it is in one.
+/// The folder `share` next to the folder `bin` that contains this program, if any.
 pub(super) fn beside_the_program() -> Option<PathBuf> {
     let program = env::current_exe().ok()?;
     let bin = program.parent().filter(|folder| folder.ends_with("bin"))?;

@@ -1,4 +1,4 @@
-//! `nailnoise verify`: public benchmarks on this machine.
+//! `nailnoise verify`: computes public benchmarks on this machine.
 
 use std::time::Instant;
 
@@ -52,7 +52,7 @@ struct JudgedSection<'a> {
 struct Judged<'a> {
     #[serde(flatten)]
     row: &'a Row,
-    /// Part of the tolerance used.
+    /// Fraction of the tolerance used.
     used: f64,
     verdict: Verdict,
 }
@@ -80,8 +80,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let seconds = start.elapsed().as_secs_f64();
     progress.end();
     let rows = || sections.iter().flat_map(|section| &section.rows);
-    let count = |verdict: Verdict| rows().filter(|row| row.verdict() == verdict).count();
-    let (documented, failed) = (count(Verdict::Documented), count(Verdict::Fails));
+    let [documented, failed] = [Verdict::Documented, Verdict::Fails].map(|verdict| count(&sections, verdict));
     if arguments.json {
         print_json(&VerifyResult {
             schema: SCHEMA,
@@ -110,10 +109,24 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             row.tolerance()
         ));
     }
-    Ok(if failed == 0 { Status::SUCCESS } else { Status::from(3) })
+    Ok(status(&sections))
 }
 
-/// A section as text: for each case its name and source, then its rows.
+/// Number of rows with a verdict.
+fn count(sections: &[Section], verdict: Verdict) -> usize {
+    let rows = sections.iter().flat_map(|section| &section.rows);
+    rows.filter(|row| row.verdict() == verdict).count()
+}
+
+/// Exit status: 3 if a row fails.
+fn status(sections: &[Section]) -> Status {
+    match count(sections, Verdict::Fails) {
+        0 => Status::SUCCESS,
+        _ => Status::from(3),
+    }
+}
+
+/// Formats a section: for each case its name and source, followed by its rows.
 fn text(section: &Section, all: bool) -> String {
     let shown = if all {
         section.rows.iter().map(|row| Shown { row, of: 1 }).collect()
@@ -141,4 +154,27 @@ fn text(section: &Section, all: bool) -> String {
         text.push('\n');
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verification::Case;
+
+    #[test]
+    fn a_row_outside_its_limits_ends_with_status_3_and_a_documented_one_with_success() {
+        let case = Case {
+            name: "case",
+            source: "source",
+        };
+        let of = |row: Row| {
+            let agrees = case.row("x", 1.0, 1.0).within(0.1);
+            let rows = vec![agrees, row];
+            status(&[Section { field: "sound", rows }])
+        };
+        let outside = case.row("y", 1.0, 2.0).within(0.1);
+        assert_eq!(of(outside.clone().documented([0.5, 1.5])), Status::SUCCESS);
+        assert_eq!(of(outside), Status::from(3));
+        assert_eq!(of(case.row("y", 1.0, f64::NAN).within(0.1)), Status::from(3));
+    }
 }

@@ -1,5 +1,6 @@
-//! `nailnoise watch`: a design that runs again when it is saved, on a page that follows.
+//! `nailnoise watch`: reruns a design whenever it is saved, and shows the result on a live page.
 
+use std::net::{IpAddr, SocketAddr};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,24 +10,27 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
+use super::effects::Effects;
 use super::{Changes, Keeping, Memory, Threads, print, progress};
 use super::{Status, progress::note};
 use crate::artifacts::ReportedRun;
 use crate::cost;
-use crate::design::Design;
+use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::{Observer, Progress, Task};
 use crate::store::Store;
 use crate::study::StudySource;
 use crate::tables::decibels;
-use crate::watch::{Board, Differences, FinishedRun, Server, Watched};
+use crate::watch::{Board, Differences, FinishedRun, Server, Slider, Sound, Watched};
 use crate::wording::change;
 
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise watch my-tool.toml" => "then open the address that it prints, and edit my-tool.toml",
     "nailnoise watch my-tool.toml --set exhaust.holes=12" => "with another value for one key",
+    "nailnoise watch my-tool.toml --listen 192.168.1.7:8080" => "for others on the network who have the address \
+        that it prints",
 ))]
 pub(super) struct Arguments {
     /// Design file (TOML)
@@ -39,50 +43,67 @@ pub(super) struct Arguments {
     changes: Changes,
     #[command(flatten)]
     keeping: Keeping,
+    /// Serve the page at this address of the machine, for others on the network who have the address that is printed,
+    /// with its token [default: this machine only]
+    #[arg(long, value_name = "ADDRESS", value_parser = address)]
+    listen: Option<SocketAddr>,
+}
+
+/// An address with a port, or without one, which the system then chooses.
+fn address(text: &str) -> Result<SocketAddr, String> {
+    let alone = || text.parse().map(|ip: IpAddr| SocketAddr::new(ip, 0));
+    let found = text.parse().or_else(|_| alone());
+    found.map_err(|_| "give an address of this machine, as 192.168.1.7 or 192.168.1.7:8080".to_owned())
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
-    let name = arguments.design.file_stem().unwrap_or_default().to_string_lossy();
-    let board = Arc::new(Board::new(name.into_owned()));
-    let server = Server::start(Arc::clone(&board)).map_err(|source| Error::Serve { source })?;
+    let board = Arc::new(Board::new(&arguments.design, &arguments.changes.set));
+    let server = Server::start(Arc::clone(&board), arguments.listen).map_err(|source| Error::Serve { source })?;
     print(&format!("{}\n", server.address()))?;
-    note("open this address in a browser on this machine; Ctrl-C ends the command and the page");
+    note(match arguments.listen {
+        None => "open this address in a browser on this machine; Ctrl-C ends the command and the page",
+        Some(_) => {
+            "whoever has this address sees the design, moves its sliders and saves designs beside it; 0.0.0.0 stands \
+             for any address of this machine; the connection is not encrypted; Ctrl-C ends the command and the page"
+        }
+    });
     let mut watching = Watching {
         arguments,
         store: arguments.keeping.cache()?,
         board,
         runs: 0,
     };
-    // An interruption ends the process, and with it the server.
+    // An interrupt ends the process and with it the server.
     loop {
         watching.follow()?;
     }
 }
 
-/// A design that is watched.
+/// A watched design.
 struct Watching<'a> {
     arguments: &'a Arguments,
     store: Store,
     board: Arc<Board>,
-    /// Runs that succeeded.
+    /// Number of successful runs.
     runs: u32,
 }
 
 impl Watching<'_> {
     /// Runs the current design, and waits until it changes.
     fn follow(&mut self) -> Result<(), Error> {
-        let Arguments { design, changes, .. } = self.arguments;
-        let watched = Arc::new(Watched::new(design, &changes.set));
+        let (moves, values) = self.board.moved();
+        let watched = Arc::new(Watched::new(&self.arguments.design, &values));
         let progress = Progress::to(Arc::new(Interested {
             terminal: progress().observer(),
             board: Arc::clone(&self.board),
             watched: Arc::clone(&watched),
+            moves,
             looked: Mutex::new(Instant::now()),
         }));
         self.board.begin("the design");
         // A fault of one run need not stop the next; the outputs of that run are gone.
-        let outcome = catch_unwind(AssertUnwindSafe(|| self.run(&progress)));
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.run(&values, &progress)));
         progress.end();
         match outcome {
             Ok(Ok(())) => {}
@@ -93,7 +114,7 @@ impl Watching<'_> {
             }
             Err(panic) if panic.is::<Abandoned>() => {
                 // The files may have returned to their old state: they still have no result.
-                watched.settle();
+                self.renew(&watched, moves);
                 return Ok(());
             }
             Err(_) => self
@@ -101,16 +122,24 @@ impl Watching<'_> {
                 .fail("nailnoise has a fault; the terminal says what to report".to_owned()),
         }
         self.board.rest();
-        watched.wait();
-        watched.settle();
+        watched.wait(|| self.board.moves() != moves);
+        self.renew(&watched, moves);
         Ok(())
     }
 
+    /// Before the next run: a file that was saved takes back what the page moved.
+    fn renew(&self, watched: &Watched, moves: u64) {
+        if self.board.moves() == moves {
+            watched.settle();
+            self.board.reset();
+        }
+    }
+
     /// Runs the design and shows the result, and then how sure its levels are.
-    fn run(&mut self, progress: &Progress) -> Result<(), Error> {
+    fn run(&mut self, values: &[Assignment], progress: &Progress) -> Result<(), Error> {
         let begin = Instant::now();
-        let Arguments { design, changes, .. } = self.arguments;
-        let design = Design::load_with(design, &changes.set)?;
+        let design = Design::load_with(&self.arguments.design, values)?;
+        let moved = values.len() > self.arguments.changes.set.len();
         let mut warnings = Vec::new();
         for warning in design.warnings() {
             warnings.push(shown(warning));
@@ -118,10 +147,17 @@ impl Watching<'_> {
         }
         cost::refuse(&design, &cost::of_run(&design)?, self.arguments.memory.limit())?;
         let graph = Graph::new(Arc::new(self.store.clone()), progress.observer());
-        let source = StudySource::find(&self.store, &design, true);
+        // What a slider passes through is not worth draws.
+        let source = StudySource::find(&self.store, &design, !moved);
         let mut reported = ReportedRun::new(&graph, &design, &source)?;
         self.runs += 1;
-        let shot = FinishedRun::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
+        let mut shot = FinishedRun::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
+        shot.sound = reported.sound_of_all().map(|own| {
+            Arc::new(Sound {
+                wav: own.wav.clone(),
+                full_scale_pa: reported.run.microphones.report.full_scale_pa,
+            })
+        });
         let [before, pinned] = self.board.show(shot.clone(), warnings, reported.page(&design));
         let mut text = shot
             .headline
@@ -132,6 +168,14 @@ impl Watching<'_> {
         text.extend(before.iter().map(|own| changed(own, "")));
         text.extend(other.iter().map(|own| changed(own, ", pinned")));
         print(&text)?;
+        if !self.board.has_sliders() {
+            self.board.begin("which inputs matter");
+            let effects = Effects::of(&graph, &design, false, progress)?;
+            let keys = effects.inputs.into_iter().map(|own| own.key);
+            // The rest of the sentence is about options of `check`.
+            let basis = effects.basis.split(';').next().unwrap_or_default();
+            self.board.offer(Slider::of(&design, keys), basis);
+        }
         if source.awaits_screening(&design, &reported.run.result) {
             self.board.begin("how sure the levels are");
             let source = source.screened(&self.store, &design, progress);
@@ -142,7 +186,7 @@ impl Watching<'_> {
     }
 }
 
-/// The levels of a run on one line.
+/// The levels of a run in one line.
 fn line(shot: &FinishedRun) -> String {
     let levels = shot
         .levels
@@ -161,7 +205,7 @@ fn line(shot: &FinishedRun) -> String {
     )
 }
 
-/// The changes, on one line.
+/// The changes in one line.
 fn changed(differences: &Differences, behind: &str) -> String {
     let levels = differences.levels.iter();
     let levels = levels.filter_map(|(name, db)| Some(format!("{name} {}", change((*db)?))));
@@ -184,47 +228,49 @@ fn changed(differences: &Differences, behind: &str) -> String {
     )
 }
 
-/// Changed values that are named on a line.
+/// Number of changed values named in a line.
 const NAMED: usize = 4;
 
-/// An error or a warning as the terminal shows it, for the page.
+/// Formats an error or warning as in the terminal, for the page.
 fn shown(diagnostic: &dyn Diagnostic) -> String {
     let mut text = String::new();
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none())
         .with_links(false)
         .with_width(100)
         .with_context_lines(1);
-    // A diagnostic that cannot be drawn is written in words.
+    // A diagnostic that cannot be rendered is written as plain text.
     if handler.render_report(&mut text, diagnostic).is_err() {
         text = diagnostic.to_string();
     }
     text.trim_matches('\n').to_owned()
 }
 
-/// Interval between two checks of the files while a run works.
+/// Interval between checks of the files during a run.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The payload of the unwinding that ends work on files that have changed. No panic hook sees it.
+/// Payload of the unwinding that ends work on files that have changed. It does not trigger a panic hook.
 struct Abandoned;
 
-/// Shows progress in the terminal and on the page, and ends the work at its next report when the files have changed.
+/// Shows progress in the terminal and on the page, and aborts the work at its next report if the files have changed.
 struct Interested {
     terminal: Arc<dyn Observer>,
     board: Arc<Board>,
     watched: Arc<Watched>,
+    /// How often the page had given a value when the run began.
+    moves: u64,
     looked: Mutex<Instant>,
 }
 
 impl Interested {
     fn look(&self) {
-        // One thread checks, the others continue.
+        // One thread checks, while the others continue.
         let Ok(mut looked) = self.looked.try_lock() else { return };
         if looked.elapsed() < LOOK {
             return;
         }
         *looked = Instant::now();
         drop(looked);
-        if self.watched.changed() {
+        if self.board.moves() != self.moves || self.watched.changed() {
             resume_unwind(Box::new(Abandoned));
         }
     }

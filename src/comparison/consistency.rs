@@ -1,4 +1,5 @@
-//! Whether the numbers of a finished result can be and agree with each other: anybody may have changed the file.
+//! Checks that the numbers of a finished result are plausible and consistent, because anybody may have changed the
+//! file.
 
 use serde_json::Value;
 
@@ -6,14 +7,14 @@ use nailnoise_acoustics::signals::{REFERENCE_ENERGY, SILENCE};
 
 use crate::result::{BandLevel, Component, IntervalLevel, RankedSource, Total};
 
-/// Largest difference between a level and the sum of its parts \[dB\]: that of levels rounded to two decimals.
+/// Largest difference between a level and the sum of its parts \[dB\], for levels rounded to two decimals.
 const ROUNDING_DB: f64 = 0.02;
 
-/// Largest difference of a share from that of the energy \[-\].
+/// Largest difference between a share and that of the energy \[-\].
 const ROUNDING_SHARE: f64 = 1e-3;
 
-/// Numbers that can be, by the end of their key: levels \[dB\], frequencies \[Hz\], accelerations \[g\], sound
-/// pressures \[Pa\] and areas \[m2\].
+/// Plausible ranges of numbers by the suffix of their key: levels \[dB\], frequencies \[Hz\], accelerations \[g\],
+/// sound pressures \[Pa\] and areas \[m2\].
 const POSSIBLE: [(&str, [f64; 2]); 5] = [
     ("_db", [-300.0, 300.0]),
     ("hz", [0.0, 1e6]),
@@ -22,7 +23,7 @@ const POSSIBLE: [(&str, [f64; 2]); 5] = [
     ("_m2", [0.0, 1e9]),
 ];
 
-/// A place in a result with its actual and its expected content.
+/// A place in a result, with its actual and its expected value.
 #[derive(Debug, PartialEq)]
 pub(super) struct Fault {
     /// Path in the JSON value.
@@ -31,12 +32,12 @@ pub(super) struct Fault {
     pub(super) expected: String,
 }
 
-/// Every number of a result lies where such numbers can be.
+/// Checks that every number of a result is within its plausible range.
 pub(super) fn numbers(value: &Value) -> Result<(), Fault> {
     visit(value, "", None)
 }
 
-/// The limits are those of the last key above the value that has any.
+/// The limits are those of the closest enclosing key that has any.
 fn visit(value: &Value, at: &str, limits: Option<[f64; 2]>) -> Result<(), Fault> {
     match value {
         Value::Object(members) => members.iter().try_for_each(|(key, member)| {
@@ -64,7 +65,7 @@ fn visit(value: &Value, at: &str, limits: Option<[f64; 2]>) -> Result<(), Fault>
     }
 }
 
-/// Parts sum to their source, sources to the total, and the ranking is one.
+/// Checks that parts add up to their source and sources to the total, and that the ranking is in order.
 pub(super) fn sums(ranking: &[RankedSource], total: &Total) -> Result<(), Fault> {
     let fault = |at: String, found: String, expected: &str| {
         Err(Fault {
@@ -141,8 +142,8 @@ fn source_sums(source: &RankedSource, at: &str) -> Result<(), Fault> {
     sum(&weighted, source.lwa_db, &intervals, "intervals")
 }
 
-/// A level is that of the energies of its parts. A part of a surface that takes sound from the others does not have a
-/// level, and those of the others then sum to more.
+/// Checks that a level is that of the summed energies of its parts. A part of a surface that absorbs sound from the
+/// others has no level, and the others then sum to more.
 fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
     let radiated: f64 = parts.iter().sum();
     let absorbs = parts.contains(&0.0);
@@ -152,7 +153,8 @@ fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> R
     sum(at, whole, parts, what)
 }
 
-/// A level is that of the energies of its parts; those without a level may have up to the energy of silence each.
+/// Checks that a level is that of the summed energies of its parts; parts without a level may each have up to the
+/// energy of silence.
 fn sum(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
     let energy: f64 = parts.iter().sum();
     let silent = parts.iter().filter(|part| **part == 0.0).count() as f64 * SILENCE / REFERENCE_ENERGY;
@@ -174,12 +176,12 @@ fn sum(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fa
     })
 }
 
-/// Energy of a part relative to the reference: the one stated, which may be negative, or that of its level.
+/// Energy of a part relative to the reference: the stated one, which may be negative, or that of its level.
 fn part_energy(level: Option<f64>, stated: Option<f64>) -> f64 {
     stated.map_or_else(|| energy(level), |joule| joule / REFERENCE_ENERGY)
 }
 
-/// Energy of a level relative to its reference; none of a silent source.
+/// Energy of a level relative to its reference; zero for a silent source.
 fn energy(level: Option<f64>) -> f64 {
     level.map_or(0.0, |level| 10f64.powf(0.1 * level))
 }

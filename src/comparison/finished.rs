@@ -1,4 +1,4 @@
-//! A finished result as far as a comparison needs it, from a run or from the `result.json` it left.
+//! A finished result, reduced to what a comparison needs, from a run or from its `result.json`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::consistency;
+use crate::comparison::ComparisonError;
 use crate::error::Error;
 use crate::result::{DesignId, Performance, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
 use crate::stages::headline::Headline;
@@ -41,7 +42,8 @@ pub struct Input {
 }
 
 impl Finished {
-    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder with a `result.json`.
+    /// Whether `path` refers to a finished result instead of a design: a `.json` file, or a folder with a
+    /// `result.json`.
     pub fn is_at(path: &Path) -> Option<PathBuf> {
         if path.is_dir() {
             Some(path.join("result.json"))
@@ -52,10 +54,10 @@ impl Finished {
         }
     }
 
-    /// Reads a `result.json` whose numbers agree with each other.
+    /// Reads a `result.json` and checks that its numbers are consistent.
     ///
     /// # Errors
-    /// [`Error::Unreadable`], [`Error::NotAResult`] or [`Error::Inconsistent`].
+    /// [`Error::Unreadable`], [`ComparisonError::NotAResult`] or [`ComparisonError::Inconsistent`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|source| Error::Unreadable {
             path: path.to_owned(),
@@ -64,7 +66,7 @@ impl Finished {
         let result = Self::parse(path, &text)?;
         let value = serde_json::from_str(&text).map_err(Error::Json)?;
         let consistent = consistency::numbers(&value).and_then(|()| consistency::sums(&result.ranking, &result.total));
-        consistent.map_err(|fault| Error::Inconsistent {
+        consistent.map_err(|fault| ComparisonError::Inconsistent {
             path: path.to_owned(),
             at: fault.at,
             found: fault.found,
@@ -73,14 +75,17 @@ impl Finished {
         Ok(result)
     }
 
-    /// Reads the content of a `result.json`; `path` is named in errors.
+    /// Parses the contents of a `result.json`; `path` is used in errors.
     ///
     /// # Errors
-    /// [`Error::NotAResult`].
+    /// [`ComparisonError::NotAResult`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
-        let wrong = |reason: String| Error::NotAResult {
-            path: path.to_owned(),
-            reason,
+        let wrong = |reason: String| {
+            ComparisonError::NotAResult {
+                path: path.to_owned(),
+                reason,
+            }
+            .into()
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         match value["schema"].as_str() {
@@ -101,7 +106,7 @@ impl Finished {
         &self.design.name
     }
 
-    /// Gives the design another name, if two of a comparison have the same.
+    /// Renames the design, if two designs of a comparison have the same name.
     pub fn rename(&mut self, name: String) {
         self.design.name = name;
     }
@@ -114,12 +119,12 @@ impl Finished {
         self.headline.clone().or_else(bare)
     }
 
-    /// The study that serves its design; none if it states none.
+    /// The study that applies to its design; none if it states none.
     pub(super) fn study(&self) -> Option<StudySummary> {
         self.study.as_ref().and_then(RunStudy::known).cloned()
     }
 
-    /// Version of the layout it was written in.
+    /// Version of its layout.
     pub fn schema(&self) -> &str {
         &self.schema
     }

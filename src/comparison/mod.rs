@@ -1,9 +1,10 @@
-//! Designs side by side: their differences, and the effects of these on sources, bands, intervals and cycle.
+//! Compares designs: their differences, and the effects of these on sources, bands, intervals and cycle.
 //!
-//! A comparison needs finished results only, so that designs of different days compare as well as those just run. The
-//! first result is the reference: changes are those of the others from it.
+//! A comparison needs only finished results, so designs computed on different days can be compared as well as those
+//! just run. The first result is the reference, to which changes refer.
 
 mod consistency;
+mod error;
 mod finished;
 mod ranges;
 
@@ -14,20 +15,21 @@ use crate::result::{Performance, RankedSource, StudySummary, TOTAL};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
+pub use error::ComparisonError;
 pub use finished::{Finished, Input};
 
 /// Version of the layout of [`Comparison`].
 pub const SCHEMA: &str = "nailnoise-compare/1";
 
-/// Results side by side; every list of values has one entry a result, in the order they were given.
+/// Results being compared; every list of values has one entry per result, in the order given.
 #[derive(Debug, Clone, Serialize)]
 pub struct Comparison {
     /// [`SCHEMA`].
     pub schema: &'static str,
     /// Names of the designs, the reference first.
     pub designs: Vec<String>,
-    /// Frequency range of the levels of each \[Hz\], if they are not all the same; null if they are. Changes are then
-    /// not those of the designs.
+    /// Frequency range of the levels of each result \[Hz\] if the ranges differ; null if they are the same. If they
+    /// differ, changes are not due to the designs alone.
     pub unlike_ranges: Option<Vec<[f64; 2]>>,
     /// Keys whose values differ.
     pub inputs: Vec<InputRow>,
@@ -35,13 +37,13 @@ pub struct Comparison {
     pub outcomes: Vec<String>,
     /// Headline of each shot; null if the nail is driven and the exhaust opens.
     pub headlines: Vec<Option<Headline>>,
-    /// Why the levels must not be compared, if the shots do not end alike; null if they do.
+    /// Why the levels must not be compared, if the shots end differently; null if they end alike.
     pub unlike: Option<String>,
-    /// Sources in the order of the reference's ranking; sources that are not in it follow.
+    /// Sources in the order of the reference's ranking, followed by sources that are not in it.
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
     pub total: Levels,
-    /// Intervals of the levels of each design by the study that serves it; null without one.
+    /// Intervals of the levels of each design from the study that applies to it; null without one.
     pub studies: Vec<Option<StudySummary>>,
     /// Reserve of the drive, air a shot, and rate of each design; null for a result of an earlier version.
     pub performance: Vec<Option<Performance>>,
@@ -60,7 +62,7 @@ pub struct InputRow {
     pub key: String,
     /// Unit of its values; empty if they have none.
     pub unit: String,
-    /// Its values; null if the key is not in a design.
+    /// Its values; null if a design does not have the key.
     pub values: Vec<serde_json::Value>,
 }
 
@@ -78,9 +80,9 @@ pub struct ValueRow {
 /// A level of each result.
 #[derive(Debug, Clone, Serialize)]
 pub struct Levels {
-    /// Levels \[dB\]; null when silent.
+    /// Levels \[dB\]; null if silent.
     pub level_db: Vec<Option<f64>>,
-    /// Their changes from the reference \[dB\]; null if one of the two is silent.
+    /// Changes from the reference \[dB\]; null if either is silent.
     pub change_db: Vec<Option<f64>>,
 }
 
@@ -100,9 +102,9 @@ pub struct SourceRow {
     /// A-weighted level over the common range \[dB re 1 pW s\].
     #[serde(flatten)]
     pub levels: Levels,
-    /// How each was computed; if the methods differ, their errors do not cancel in the change.
+    /// Method by which each was computed; if the methods differ, their errors do not cancel in the change.
     pub methods: Vec<Option<String>>,
-    /// Band of each method, \[dB\] below and above the level; null if the method gives no bound.
+    /// Uncertainty of each method, \[dB\] below and above the level; null if the method gives no bound.
     pub uncertainty_db: Vec<[Option<f64>; 2]>,
     /// A-weighted one-third-octave levels, by nominal mid-band frequency \[Hz\].
     pub bands: Vec<Labelled>,
@@ -110,7 +112,7 @@ pub struct SourceRow {
     pub intervals: Vec<Labelled>,
 }
 
-/// A level of each result under a label.
+/// A labelled level of each result.
 #[derive(Debug, Clone, Serialize)]
 pub struct Labelled {
     /// Band or interval.
@@ -152,8 +154,8 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
-    /// Warnings that precede the levels: unlike ranges of frequency, unlike outcomes, and how each shot ended that does
-    /// not drive.
+    /// Warnings to show before the levels: different frequency ranges, different outcomes, and how each shot ended that
+    /// does not drive its nail.
     pub fn alarms(&self) -> Vec<String> {
         let named = self.designs.iter().zip(&self.headlines);
         let ends = named.filter_map(|(name, headline)| Some((name, headline.as_ref()?)));
@@ -179,7 +181,7 @@ impl Comparison {
         self.rankings[design].iter().filter_map(of_source).collect()
     }
 
-    /// Lays results side by side.
+    /// Compares results.
     pub fn new(results: &[Finished]) -> Self {
         let each = |f: &dyn Fn(&Finished) -> Option<f64>| results.iter().map(f).collect::<Vec<_>>();
         let sources = in_order(results, |r| r.ranking.iter().map(|s| s.source.clone()).collect());
@@ -224,8 +226,8 @@ impl Comparison {
         }
     }
 
-    /// Values that exceed a limit, each in words. The limits do not apply to the reference: the others are proposals
-    /// for its improvement.
+    /// Describes the values that exceed a limit. The limits do not apply to the reference, which the other designs are
+    /// meant to improve.
     pub fn exceeded(&self, limits: &[Limit]) -> Vec<String> {
         let mut found = Vec::new();
         for limit in limits {
@@ -251,7 +253,7 @@ impl Comparison {
     }
 }
 
-/// All names that the results have, in the order of their first appearance.
+/// All names that occur in the results, in order of first appearance.
 fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for name in results.iter().flat_map(names) {

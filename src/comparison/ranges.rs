@@ -1,16 +1,16 @@
-//! Whether levels are sums over the same range of frequency.
+//! Checks whether levels are sums over the same frequency range.
 
 use super::finished::Finished;
 
-/// Keys of the ends of the range over which levels are summed up.
+/// Keys for the ends of the frequency range of levels.
 const ENDS: [&str; 2] = ["analysis.range_low", "analysis.range_high"];
 
-/// The ranges of the results \[Hz\], if they are not all the same. A difference of their levels is then not that of the
-/// designs: the wider range contains bands that the other one leaves out.
+/// The frequency ranges of the results \[Hz\], if they are not all the same. A difference between their levels is then
+/// not due to the designs alone, because the wider range contains additional bands.
 pub(super) fn unlike(results: &[Finished]) -> Option<Vec<[f64; 2]>> {
     let end = |result: &Finished, key: &str| {
         let input = result.inputs.iter().find(|input| input.key == key);
-        // The range of a result that does not state it is not known to be another.
+        // A result that does not state its range is not assumed to differ.
         input.and_then(|input| input.value.as_f64()).unwrap_or(f64::NAN)
     };
     let ranges: Vec<[f64; 2]> = results.iter().map(|result| ENDS.map(|key| end(result, key))).collect();

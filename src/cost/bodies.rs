@@ -1,4 +1,4 @@
-//! Elements, degrees of freedom and modes of a body, counted without its mesh.
+//! Estimates elements, degrees of freedom and modes of a body without meshing it.
 
 use std::path::Path;
 
@@ -11,13 +11,13 @@ use crate::design::inputs::bodies::{below_hz, geometry};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshSource, PartMaterials};
 
-/// Nodes of the tool body's mesh in a square of the largest element side on its walls; the shipped mesh has 63.
+/// Number of nodes in the tool body's mesh per square of the largest element side on its walls; 63 in the shipped mesh.
 const TOOL_NODES: f64 = 63.0;
 
-/// Nodes of a quadratic tetrahedron's share in a large mesh, and of a quadratic hexahedron's.
+/// Number of nodes per element in a large mesh of quadratic tetrahedra, and of quadratic hexahedra.
 const NODES: [f64; 2] = [1.6, 4.2];
 
-/// Surface of a body whose dimensions only its file has \[m2\].
+/// Assumed surface of a body whose dimensions are only in its file \[m2\].
 fn nominal_area(kind: BodyKind) -> f64 {
     match kind {
         BodyKind::Workpiece => 0.2,
@@ -26,13 +26,13 @@ fn nominal_area(kind: BodyKind) -> f64 {
     }
 }
 
-/// Elements and nodes of a mesh, and the solids it is made of for the count of modes: volume \[m3\] and thickness of
-/// the walls \[m\] with the part's place among the materials.
+/// Elements and nodes of a mesh, and for the number of modes the solids it consists of: volume \[m3\], wall thickness
+/// \[m\] and index of the material.
 struct Count {
     elements: f64,
     nodes: f64,
     solids: Vec<(f64, f64, usize)>,
-    /// Independent problems that mirror planes make of the body.
+    /// Number of independent problems into which mirror planes divide the body.
     sectors: u32,
     thin: bool,
 }
@@ -81,7 +81,7 @@ pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error>
 
 /// Area of the tool's outer walls \[m2\].
 pub(super) fn tool_area(design: &Design) -> Result<f64, Error> {
-    // A file need not be read for the nominal area.
+    // The file need not be read for the nominal area.
     if !design.body.mesh.is_empty() {
         return Ok(nominal_area(BodyKind::Tool));
     }
@@ -91,12 +91,12 @@ pub(super) fn tool_area(design: &Design) -> Result<f64, Error> {
     })
 }
 
-/// Elements along a length.
+/// Number of elements along a length.
 fn along(length: f64, element: f64) -> f64 {
     (length / element).ceil().max(1.0)
 }
 
-/// Nodes of a grid of 20-node hexahedra: corners and middles of edges.
+/// Number of nodes in a grid of 20-node hexahedra: corners and midpoints of edges.
 fn grid_nodes([x, y, z]: [f64; 3]) -> f64 {
     let corners = (x + 1.0) * (y + 1.0) * (z + 1.0);
     corners + x * (y + 1.0) * (z + 1.0) + (x + 1.0) * y * (z + 1.0) + (x + 1.0) * (y + 1.0) * z
@@ -123,7 +123,7 @@ fn worktable(table: &Worktable, wall: Option<f64>) -> Count {
     let layers = table.top_layers as f64;
     let height = table.height - table.thickness;
     let levels = along(height, table.leg_element_size);
-    // A tube has one element in its wall.
+    // A tube has one element through its wall.
     let (leg_elements, leg_nodes, leg_volume, leg_wall) = match wall {
         None => (
             legs[0] * legs[1] * levels,
@@ -169,7 +169,7 @@ fn of_tool(tool: &Tool) -> Count {
         tube(0.6 * tool.nose_width, tool.nose_wall, tool.nose_height, 1),
         tube(tool.sleeve_radius, tool.sleeve_wall, tool.sleeve_height, 2),
     ];
-    // One element through a wall until the elements are smaller than it.
+    // One element through a wall, as long as the elements are larger than the wall thickness.
     let nodes_of = |(volume, wall, _): &(f64, f64, usize)| {
         let per_square = volume / wall / (tool.size * tool.size);
         TOOL_NODES * per_square * (wall / tool.size).max(1.0)
@@ -184,10 +184,11 @@ fn of_tool(tool: &Tool) -> Count {
     }
 }
 
-/// A file's body: a solid geometry as walls of the nominal area, a mesh by the length of its file.
+/// A body from a file: a solid geometry is treated as walls of the nominal area, a mesh is estimated from the size of
+/// its file.
 fn file_of(kind: BodyKind, element: Option<f64>, path: &Path) -> Count {
     let area = nominal_area(kind);
-    // A node takes some 40 bytes of text, a quadratic element as many as three nodes.
+    // A node takes about 40 bytes of text, and a quadratic element as much as three nodes.
     let nodes = element.map_or_else(|| file_length(path) / 120.0, |side| 2.5 * area / (side * side));
     let wall = 0.005;
     Count {
@@ -199,7 +200,7 @@ fn file_of(kind: BodyKind, element: Option<f64>, path: &Path) -> Count {
     }
 }
 
-/// Length of a file \[byte\]; 0 for one that cannot be read, whose error comes when it is.
+/// Size of a file \[byte\]; 0 if it cannot be read, which is reported when it is read.
 fn file_length(path: &Path) -> f64 {
     std::fs::metadata(path).map_or(0.0, |data| data.len() as f64)
 }

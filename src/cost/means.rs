@@ -1,4 +1,5 @@
-//! Boundary elements in the mean over frequency above half an octave: their finer meshes, counted without them.
+//! Boundary elements averaged over frequency, more than half an octave above single frequencies: estimates their finer
+//! meshes without making them.
 
 use nailnoise_acoustics::bem::{EquationSolver, SurfaceSize};
 use nailnoise_acoustics::radiation::boundary_elements::MeanBands;
@@ -6,25 +7,25 @@ use nailnoise_acoustics::radiation::boundary_elements::MeanBands;
 use super::stage::{SOUND_SPEED, StageCost};
 use crate::design::{Acoustics, BemEquations};
 
-/// Panels of bisected triangles in a square of the longest edge: the N80CB's body to 8 kHz has 17 900 of them.
+/// Number of panels of bisected triangles per square of the longest edge: the N80CB's body up to 8 kHz has 17 900.
 const TRIANGLES: f64 = 5.4;
 
-/// Panels of boxes in a square of the longest edge.
+/// Number of panels of boxes per square of the longest edge.
 const RECTANGLES: f64 = 1.1;
 
-/// Processor time of the close pairs of a panel, no two of them congruent \[s\].
+/// Processor time for the close pairs of a panel if no two are congruent \[s\].
 const CLOSE: f64 = 290e-6;
 
-/// Frequencies that are solved at the same time: threads, about.
+/// Number of frequencies solved simultaneously, about the number of threads.
 const TOGETHER: f64 = 2.0;
 
-/// A surface that radiates.
+/// A radiating surface.
 pub(super) enum RadiatingSurface {
-    /// Boxes about two mirror planes above a floor, of this area in all \[m2\].
+    /// Boxes with two mirror planes above a floor, with this total area \[m2\].
     Boxes(f64),
     /// A body of triangles.
     Body {
-        /// Its area in all \[m2\].
+        /// Its total area \[m2\].
         area: f64,
         /// Number of its symmetric parts.
         parts: f64,
@@ -70,8 +71,8 @@ pub(super) fn equation_solver(acoustics: &Acoustics) -> EquationSolver {
     }
 }
 
-/// Adds the finer meshes of the means to the cost of a radiation at single frequencies up to `top_hz`, of a surface
-/// that moves in so many modes.
+/// Adds the finer meshes of the averages to the cost of a radiation at single frequencies up to `top_hz`, for a surface
+/// with `modes` modes.
 pub(super) fn add(
     stage: &mut StageCost,
     acoustics: &Acoustics,
@@ -119,7 +120,7 @@ mod tests {
         assert!(tool(8000.0).cpu_seconds > 4.0 * tool(0.0).cpu_seconds);
     }
 
-    /// `nailnoise run` notes 17 900 panels, computed from the meshes themselves.
+    /// `nailnoise run` reports 17 900 panels, counted in the meshes themselves.
     #[test]
     fn regression_panels_of_the_finest_mesh() {
         let cost = tool(8000.0);

@@ -1,7 +1,7 @@
-//! Cost of a run, estimated only from the design: before anything is meshed, solved or written.
+//! Estimates the cost of a run from the design, before anything is meshed, solved or written.
 //!
 //! Estimates are within a factor of about two for the shipped designs. They are used to reject runs that exceed the
-//! memory and to announce long ones, not to predict a time.
+//! memory limit and to announce long ones, not to predict durations.
 
 mod bodies;
 mod means;
@@ -21,41 +21,41 @@ use crate::stages::radiation::OpenFaces;
 pub use nailnoise_documents::{MemoryLimit, address_space, available};
 pub use stage::{Remedy, StageCost};
 
-/// Histories of the nailing cycle, and their text in files \[byte a sample\].
+/// Memory for the histories of the nailing cycle, and their text in files \[byte per sample\].
 const CYCLE_SAMPLE: f64 = 60.0 * 8.0 + 700.0;
 
-/// Samples of the cycle that are integrated and written in a second.
+/// Number of cycle samples integrated and written per second.
 const CYCLE_RATE: f64 = 2e5;
 
-/// Load histories of a response \[values a sample\].
+/// Load histories of a response \[values per sample\].
 const LOADS: f64 = 27.0;
 
-/// Operations of a response in a second: modes advanced, and pairs of contact points.
+/// Operations of a response per second: modes advanced, and pairs of contact points.
 const RESPONSE_RATE: f64 = 1.5e8;
 
-/// Spectra and pictures of a mode \[byte a frequency line\].
+/// Spectra and pictures of a mode \[byte per frequency line\].
 const SPECTRUM_LINE: f64 = 64.0;
 
-/// Unknowns of a sector and processor time \[s\] of the calibration: block and worktable of the N80CB to 3.2 kHz.
+/// Calibration of the estimate: unknowns of a sector, and processor time \[s\], for block and worktable of the N80CB up
+/// to 3.2 kHz.
 const RADIATION: (f64, f64) = (1210.0, 46.0);
 
-/// Panels and processor time \[s\] of the calibration: the body of the N80CB.
+/// Calibration of the estimate: panels, and processor time \[s\], for the body of the N80CB.
 const TOOL_RADIATION: (f64, f64) = (275.0, 18.0);
 
-/// Processor time for the same body with a separate cap, which doubles the velocity patterns, over that of the body
-/// without it.
+/// Ratio of processor times for the same body with and without a separate cap, which doubles the velocity patterns.
 const CAP_APART: f64 = 1.15;
 
-/// Top frequency of boundary elements on the shipped mesh of the tool's body \[Hz\].
+/// Highest frequency of boundary elements on the shipped mesh of the tool's body \[Hz\].
 const TOOL_TOP: f64 = 2300.0;
 
-/// Smallest number of unknowns with compressed equations, in half the time of the dense ones.
+/// Smallest number of unknowns for which compressed equations take less than half the time of dense ones.
 const COMPRESSED_FROM: f64 = 6000.0;
 
-/// Power of the unknowns with which the time of compressed equations grows.
+/// Exponent with which the time of compressed equations grows with the number of unknowns.
 const COMPRESSED_GROWTH: f64 = 1.3;
 
-/// Processor time after which a run is announced as long \[s\].
+/// Processor time above which a run is announced as long \[s\].
 pub const LONG: f64 = 1800.0;
 
 /// Cost of the nailing cycle.
@@ -74,7 +74,7 @@ pub fn of_cycle(design: &Design) -> StageCost {
 /// Cost of the mesh and the modes of a body.
 ///
 /// # Errors
-/// Those of materials and mesh file.
+/// Errors in materials and mesh file.
 pub fn of_body(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
     bodies::modes(design, kind)
 }
@@ -82,7 +82,7 @@ pub fn of_body(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
 /// Cost of every stage of a run.
 ///
 /// # Errors
-/// As [`of_body`].
+/// Same as [`of_body`].
 pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
     let mut stages = vec![of_cycle(design)];
     let (mut of_tool, mut of_others) = (0.0, 0.0);
@@ -128,8 +128,9 @@ fn response(design: &Design, modes: f64) -> StageCost {
     }
 }
 
-/// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square
-/// of the top frequency; memory with their square and work with their cube, until the equations are compressed.
+/// Boundary elements of the workpiece with its support. The unknowns of the four sectors grow with the area and the
+/// square of the top frequency; memory grows with their square and work with their cube, until the equations are
+/// compressed.
 fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
     let support = supports::of(design);
     let flush = support.open_faces() == OpenFaces::FlushTop;
@@ -161,7 +162,7 @@ fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
     })
 }
 
-/// Boundary elements of the tool's body, at single frequencies as far as its mesh resolves the waves.
+/// Boundary elements of the tool's body, at single frequencies as far as its mesh resolves the wavelength.
 fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, Error> {
     let acoustics = &design.acoustics;
     if acoustics.body_method == RadiationMethod::Erp || design.body.model == BodyModel::Rigid {
@@ -176,7 +177,8 @@ fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, E
         Convention::Physical => 1.0,
         Convention::Wrapping => 1.0 + CAP_APART,
     };
-    // The parametric body is symmetric, which divides the work by three, as measured. A file's body need not be.
+    // The parametric body is symmetric, which reduces the work to a third according to measurements. A body from a file
+    // need not be symmetric.
     let (parts, share) = if design.body.mesh.is_empty() {
         (2.0, 1.0 / 3.0)
     } else {
@@ -204,7 +206,7 @@ fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, E
     Ok(Some(stage))
 }
 
-/// Memory \[GB\] and time \[s\] of the equations of boundary elements; `dense` is the time of the dense matrix. The
+/// Memory \[GB\] and time \[s\] of the boundary-element equations; `dense` is the time for the dense matrix. The
 /// compressed matrix of a parity has 750 N + 24 N^1.5 entries (`acoustics/benches/bem_compressed.rs`).
 fn of_equations(solver: BemEquations, unknowns: f64, parities: f64, dense: f64) -> (f64, f64) {
     let compressed = match solver {
@@ -217,11 +219,11 @@ fn of_equations(solver: BemEquations, unknowns: f64, parities: f64, dense: f64) 
     }
     let entries = parities * (750.0 * unknowns + 24.0 * unknowns.powf(1.5));
     let time = 0.5 * dense * (COMPRESSED_FROM / unknowns).powf(3.0 - COMPRESSED_GROWTH);
-    // With ten directions of the Krylov space for each of a hundred patterns.
+    // With ten Krylov directions for each of a hundred patterns.
     (1e-9 * 3.0 * (8.0 * entries + 16e3 * unknowns), time)
 }
 
-/// Refuses a design if a stage needs more memory than allowed, and allows gmsh as much for the meshes of this process.
+/// Rejects a design if a stage exceeds the memory limit; also sets gmsh's limit for meshes of this process.
 ///
 /// # Errors
 /// [`Error::Design`] with the stage, its counts, and the key to change.
@@ -240,7 +242,7 @@ pub fn refuse(design: &Design, stages: &[StageCost], limit: MemoryLimit) -> Resu
     }
 }
 
-/// Announcement of a run that takes long without stored results; none for others.
+/// Message that announces a run that takes long without stored results; none for others.
 pub fn announcement(stages: &[StageCost]) -> Option<String> {
     let total: f64 = stages.iter().map(|stage| stage.cpu_seconds).sum();
     let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;

@@ -1,12 +1,169 @@
 //! The assembly of a design: its tables `[cycle]` and `[keys]`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Arc;
 
 use nailnoise_documents::Document;
-use nailnoise_dynamics::network::{AssemblyError, AssemblyText};
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, BUILT_IN, KeyValue, Literal};
+use nailnoise_quantities::{Dimension, Kind, Value};
 
+use super::distribution::Distribution;
+use super::entry::Entry;
 use super::error::{DesignError, Problem};
+use super::provenance::Provenance;
+use super::range::RangeOrigin;
+use super::set::SetError;
 use super::source::File;
+
+/// Groups of keys that only the cycle reads: an assembly uses those that its formulas name.
+const OF_CYCLE: [&str; 10] = [
+    "supply.",
+    "piston.",
+    "head_valve.",
+    "chambers.",
+    "trigger.",
+    "contacts.",
+    "tool.",
+    "hand.",
+    "model.",
+    "nail.",
+];
+
+/// Keys of the nail that place forces on the workpiece, whatever drives it.
+const OF_PLACE: [&str; 4] = [
+    "nail.length",
+    "nail.diameter",
+    "nail.offset_along",
+    "nail.offset_across",
+];
+
+/// The assembly of a design, with the literals that a program set.
+#[derive(Debug, Clone)]
+pub(super) struct OwnAssembly {
+    /// Shared: a study makes thousands of designs that differ only in values.
+    read: Arc<ReadAssembly>,
+    /// Literals that were set since it was read \[SI\].
+    set: BTreeMap<String, f64>,
+}
+
+#[derive(Debug, Clone)]
+struct ReadAssembly {
+    text: AssemblyText,
+    /// Its numbers, which are keys.
+    literals: Vec<Literal>,
+    /// Keys of the design that its formulas use.
+    used: BTreeSet<String>,
+}
+
+impl OwnAssembly {
+    pub(super) fn new(text: AssemblyText) -> Self {
+        Self {
+            read: Arc::new(ReadAssembly {
+                text,
+                literals: Vec::new(),
+                used: BTreeSet::new(),
+            }),
+            set: BTreeMap::new(),
+        }
+    }
+
+    /// Evaluates the assembly with values of keys to find its literals and the keys that it uses.
+    pub(super) fn read(&mut self, keys: &BTreeMap<String, KeyValue>) -> Result<(), DesignError> {
+        let resolved = self.read.text.resolve(keys).map_err(refused)?;
+        self.read = Arc::new(ReadAssembly {
+            text: self.read.text.clone(),
+            literals: resolved.literals,
+            used: resolved.keys,
+        });
+        Ok(())
+    }
+
+    pub(super) fn text(&self) -> &AssemblyText {
+        &self.read.text
+    }
+
+    fn literal(&self, key: &str) -> Option<&Literal> {
+        self.read.literals.iter().find(|literal| literal.path == key)
+    }
+
+    pub(super) fn is_literal(&self, key: &str) -> bool {
+        self.literal(key).is_some()
+    }
+
+    /// Whether a key of the design has an effect with this assembly.
+    pub(super) fn uses(&self, key: &str) -> bool {
+        let of_cycle = OF_CYCLE.iter().any(|group| key.starts_with(group)) && !OF_PLACE.contains(&key);
+        !of_cycle || self.read.used.contains(key)
+    }
+
+    /// Sets a literal.
+    pub(super) fn set(&mut self, key: &str, value: &Value) -> Result<(), SetError> {
+        let Some(literal) = self.literal(key) else {
+            return Ok(());
+        };
+        let number = match value {
+            Value::Number(number) => *number,
+            Value::Count(count) => f64::from(*count),
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) => {
+                return Err(SetError::WrongKind {
+                    key: key.to_owned(),
+                    value: value.clone(),
+                    expected: "a number",
+                });
+            }
+        };
+        if !literal.kind.allows(number) {
+            return Err(SetError::OutsideLimits {
+                key: key.to_owned(),
+                value: number,
+                allowed: literal.kind.allowed(),
+            });
+        }
+        self.set.insert(key.to_owned(), number);
+        Ok(())
+    }
+
+    /// Literals that were set, with their values \[SI\] and dimensions.
+    pub(super) fn changed(&self) -> impl Iterator<Item = (&str, f64, Dimension)> {
+        self.set.iter().filter_map(|(key, si)| {
+            let literal = self.literal(key)?;
+            let dimension = match literal.kind {
+                Kind::Quantity { dimension, .. } => dimension,
+                _ => return None,
+            };
+            Some((key.as_str(), *si, dimension))
+        })
+    }
+
+    /// The literals as keys.
+    pub(super) fn entries(&self) -> impl Iterator<Item = Entry> {
+        self.read.literals.iter().map(|literal| {
+            let set = self.set.get(&literal.path);
+            let (provenance, source) = match (set, Provenance::parse(&literal.provenance)) {
+                (None, Some(found)) => found,
+                _ => (Provenance::Design, String::new()),
+            };
+            Entry {
+                key: literal.path.clone(),
+                symbol: "",
+                value: Value::Number(set.copied().unwrap_or(literal.si)),
+                unit: match literal.kind {
+                    Kind::Quantity { dimension, .. } => dimension.unit(),
+                    _ => String::new(),
+                },
+                range: literal.range,
+                range_origin: literal.range.map(|_| RangeOrigin::Given),
+                distribution: Distribution::default(),
+                provenance,
+                source,
+                note: literal.note.clone(),
+                file: literal.at.file().to_owned(),
+                line: literal.at.line(),
+            }
+        })
+    }
+}
 
 /// The error of an assembly as one of its design.
 pub(crate) fn refused(error: AssemblyError) -> DesignError {
@@ -14,7 +171,7 @@ pub(crate) fn refused(error: AssemblyError) -> DesignError {
     Problem::Assembly(Box::new(error)).at(at)
 }
 
-/// The assembly of a chain of files, the nearest first; none if no file has a table `[cycle]`.
+/// The assembly of a chain of files, beginning with the design itself; none if no file has a table `[cycle]`.
 pub(super) fn of_chain(chain: &[File]) -> Result<Option<AssemblyText>, DesignError> {
     if !has_cycle(chain)? {
         return Ok(None);
@@ -32,9 +189,35 @@ pub(super) fn has_cycle(chain: &[File]) -> Result<bool, DesignError> {
     Ok(false)
 }
 
-/// The documents of a chain, the base first.
+/// The documents of a chain, beginning with the base.
 pub(super) fn documents(chain: &[File]) -> Vec<Document> {
     chain.iter().rev().map(|file| file.document().clone()).collect()
+}
+
+/// A chain of files in which the assembly that a file names stands behind it, so that keys which the assembly gives
+/// count unless the file or one nearer gives them.
+pub(super) fn with_assemblies(chain: Vec<File>) -> Result<Vec<File>, DesignError> {
+    let mut all = Vec::with_capacity(chain.len());
+    for file in chain {
+        let assembly = named(&file)?;
+        all.push(file);
+        all.extend(assembly);
+    }
+    Ok(all)
+}
+
+/// The assembly that a file names as that of its table `[cycle]`; none if it names none or one that cannot be read,
+/// which the reader of the assembly reports.
+fn named(file: &File) -> Result<Option<File>, DesignError> {
+    let table = file.table()?;
+    let cycle = table.get("cycle").and_then(|value| value.get_ref().as_table());
+    let Some(name) = cycle.and_then(|cycle| cycle.get("assembly")?.get_ref().as_str()) else {
+        return Ok(None);
+    };
+    if let Some((name, text)) = BUILT_IN.into_iter().find(|(own, _)| *own == name) {
+        return Ok(Some(File::new(Path::new(&format!("assemblies/{name}.toml")), text)));
+    }
+    Ok(File::read(&file.beside(name), None).ok())
 }
 
 /// The error of a command that needs more than an assembly, at the table `[cycle]` of the nearest file.
@@ -44,13 +227,13 @@ pub(super) fn only_assembly(text: &AssemblyText, chain: &[File]) -> DesignError 
         let (key, _) = table.get_key_value("cycle")?;
         Some(file.place(key.span()))
     });
-    Problem::OwnAssembly {
+    Problem::OnlyAssembly {
         name: text.name().to_owned(),
     }
     .at(place)
 }
 
-/// What an assembly adds to the keys of a design.
+/// Keys that an assembly adds to those of a design.
 #[derive(Debug, Default)]
 pub(crate) struct OwnKeys {
     /// Whether there is an assembly.
@@ -69,7 +252,7 @@ impl OwnKeys {
         }
     }
 
-    /// Whether the reader of the assembly reads the key or group of this name.
+    /// Whether the key or group of this name is read by the reader of the assembly.
     pub(super) fn covers(&self, name: &str) -> bool {
         let group = format!("{name}.");
         self.given && (matches!(name, "cycle" | "keys") || self.declared.contains(name))

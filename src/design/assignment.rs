@@ -1,4 +1,4 @@
-//! Values given on the command line, over those of the design file.
+//! Values given on the command line, which override those of the design file.
 
 use std::fmt;
 use std::path::Path;
@@ -8,33 +8,33 @@ use toml::de::{DeTable, DeValue};
 
 use super::source::{COMMAND_LINE, File};
 
-/// One value for one key, as `supply.pressure=80psig`.
+/// A value for a key, such as `supply.pressure=80psig`.
 ///
 /// The value is written as in a design file; a text needs no quotes: `exhaust.holes=3`, `piston.mass=120 g`,
-/// `support.worktable.preset=B`. An inline table gives range and provenance, too.
+/// `support.worktable.preset=B`. An inline table also gives range and provenance.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Assignment {
     /// A line of a design file.
     line: String,
 }
 
-/// Why a text is no [`Assignment`].
+/// Why a text is not an [`Assignment`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssignmentError {
-    /// The equals sign is missing, or nothing is on one of its sides.
+    /// The equals sign is missing, or one of its sides is empty.
     #[error("\"{0}\" is not KEY=VALUE, as supply.pressure=80psig")]
     Incomplete(String),
-    /// The left-hand side cannot name a key.
+    /// The left-hand side is not a valid key name.
     #[error("\"{0}\" cannot be a key; keys are written as supply.pressure")]
     BadKey(String),
-    /// A design inherits only in its file.
+    /// `base` can only be given in a design file.
     #[error("`base` can be given in a design file only")]
     Base,
 }
 
 impl fmt::Display for Assignment {
-    /// In a form that can be read again.
+    /// In a form that can be parsed again.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line)
     }
@@ -50,7 +50,7 @@ impl FromStr for Assignment {
             .filter(|(key, value)| !key.is_empty() && !value.is_empty())
             .ok_or_else(|| AssignmentError::Incomplete(text.to_owned()))?;
         let quoted = toml::Value::String(value.to_owned()).to_string();
-        // A line break would begin another key.
+        // A line break would start another key.
         if key.contains(['\n', '\r']) || DeTable::parse(&format!("{key} = 0")).is_err() {
             return Err(AssignmentError::BadKey(key.to_owned()));
         }
@@ -65,13 +65,18 @@ impl FromStr for Assignment {
 }
 
 impl Assignment {
+    /// The key, as it was given.
+    pub(crate) fn key(&self) -> &str {
+        self.line.split_once(" = ").map_or(&self.line, |(key, _)| key)
+    }
+
     /// The assignment as a design file of one line; files that its value names are relative to the working folder.
     pub(crate) fn file(&self) -> File {
         File::new(Path::new(COMMAND_LINE), &self.line)
     }
 }
 
-/// Whether a text is one value in TOML other than a date, which is not a value of any key.
+/// Whether a text is a single TOML value other than a date, which no key has.
 fn is_value(text: &str) -> bool {
     let line = format!("value = {text}");
     DeTable::parse(&line).is_ok_and(|table| {

@@ -1,6 +1,8 @@
 //! Constraints between the quantities of a design.
 //!
-//! Each rule reads plain values, so that a design changed by a program can be checked as well as a file.
+//! Each rule uses plain values, so that a design changed by a program can be checked as well as a file.
+
+use std::collections::BTreeSet;
 
 use nailnoise_acoustics::muffler::plane_wave_limit;
 use nailnoise_acoustics::signals::{Band, THIRD_OCTAVES};
@@ -11,28 +13,34 @@ use super::rules::{at_most, below, elastic, incompressible, refuse};
 use crate::model::supports;
 
 impl Values {
-    /// The first conflict between the values, if there is one.
+    /// The first conflict between values, if any.
     ///
-    /// A loaded design has none; a program that changes values may ask again.
+    /// A loaded design has none; a program that changes values should check again.
     pub fn conflict(&self) -> Option<Conflict> {
-        check(self).err()
+        self.conflict_without(&BTreeSet::new())
+    }
+
+    /// The first conflict between the values other than those of keys without effect.
+    pub(crate) fn conflict_without(&self, idle: &BTreeSet<String>) -> Option<Conflict> {
+        let acts = |conflict: &Conflict| !conflict.keys().iter().any(|key| idle.contains(*key));
+        RULES.iter().filter_map(|rule| rule(self).err()).find(acts)
     }
 }
 
 /// The rules in their order: the first that is broken is reported.
-fn check(v: &Values) -> Result<(), Conflict> {
-    nail(v)?;
-    tool(v)?;
-    exhaust(v)?;
-    friction("piston.friction", &v.piston.friction)?;
-    friction("head_valve.friction", &v.head_valve.friction)?;
-    seated(v)?;
-    nose(v)?;
-    body(v)?;
-    supports::of(v).check()?;
-    elastic("wood.elastic", &v.wood.elastic.axes())?;
-    analysis(v)
-}
+const RULES: [fn(&Values) -> Result<(), Conflict>; 11] = [
+    nail,
+    tool,
+    exhaust,
+    |v| friction("piston.friction", &v.piston.friction),
+    |v| friction("head_valve.friction", &v.head_valve.friction),
+    seated,
+    nose,
+    body,
+    |v| supports::of(v).check(),
+    |v| elastic("wood.elastic", &v.wood.elastic.axes()),
+    analysis,
+];
 
 fn nail(v: &Values) -> Result<(), Conflict> {
     let (length, thickness) = (v.nail.length, v.workpiece.thickness);
@@ -81,8 +89,8 @@ fn tool(v: &Values) -> Result<(), Conflict> {
     below(holes, stroke, "the piston passes the check-ring holes")
 }
 
-/// Air flows out, through holes at a distance from each other and a muffler with known properties over the range of the
-/// analysis.
+/// Checks that air flows out, that holes are at a valid distance from each other, and that the muffler's properties are
+/// known over the range of the analysis.
 fn exhaust(v: &Values) -> Result<(), Conflict> {
     let (supply, ambient) = (v.supply.pressure, v.ambient.pressure);
     refuse(supply <= ambient, Conflict::SupplyBelowAmbient { supply, ambient })?;
@@ -101,9 +109,9 @@ fn exhaust(v: &Values) -> Result<(), Conflict> {
     }
 }
 
-/// The octaves of a measured insertion loss cover the range of the exhaust.
+/// Checks that the octaves of a measured insertion loss cover the range of the exhaust.
 fn insertion_loss(analysis: &Analysis) -> Result<(), Conflict> {
-    // The octaves from 63 Hz to 16 kHz have the third octaves from 50 Hz to 20 kHz.
+    // The octaves from 63 Hz to 16 kHz contain the third octaves from 50 Hz to 20 kHz.
     let (first, last) = THIRD_OCTAVES.into_inner();
     let range = [Band::new(first).low, Band::new(last).high];
     for (key, value) in [
@@ -116,7 +124,7 @@ fn insertion_loss(analysis: &Analysis) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// A chamber and its tail pipe are known over the range of the exhaust.
+/// Checks that a chamber and its tail pipe can be modelled over the range of the exhaust.
 fn chamber(v: &Values) -> Result<(), Conflict> {
     let muffler = &v.exhaust.muffler;
     let (area, diameter) = (muffler.flow_area, muffler.tail_diameter);
@@ -155,7 +163,8 @@ fn friction(group: &'static str, friction: &Friction) -> Result<(), Conflict> {
     refuse(static_force < sliding_force, conflict)
 }
 
-/// The tool sits on the wood before the shot: F_hm + (M_g + M_p + M_h) g > k_esg y_msg, the two springs in series.
+/// Checks that the tool sits on the wood before the shot: F_hm + (M_g + M_p + M_h) g > k_esg y_msg, with the two
+/// springs in series.
 fn seated(v: &Values) -> Result<(), Conflict> {
     let push = v.hand.force + (v.tool.mass + v.piston.mass + v.head_valve.mass) * v.ambient.gravity;
     let (k_sg, k_wsn) = (v.contacts.guard_stiffness, v.contacts.nose_stiffness);
@@ -163,7 +172,7 @@ fn seated(v: &Values) -> Result<(), Conflict> {
     refuse(push <= guard, Conflict::NotSeated { push, guard })
 }
 
-/// The nose rests entirely on the block.
+/// Checks that the nose rests entirely on the block.
 fn nose(v: &Values) -> Result<(), Conflict> {
     let (nail, block, body) = (&v.nail, &v.workpiece, &v.body);
     let on_block = "the nose, which stands over the nail, must stand on the block";
@@ -179,7 +188,8 @@ fn nose(v: &Values) -> Result<(), Conflict> {
     at_most(across, ("workpiece.width", block.width), on_block)
 }
 
-/// The walls of the tool body leave room for the parts inside. The barrel is as wide as bore, sleeve and gap require.
+/// Checks that the walls of the tool body leave room for the parts inside. The width of the barrel follows from bore,
+/// sleeve and gap.
 fn body(v: &Values) -> Result<(), Conflict> {
     let b = &v.body;
     let half_cap = ("half of `body.cap_height`", b.cap_height / 2.0);
@@ -216,7 +226,7 @@ fn body(v: &Values) -> Result<(), Conflict> {
     incompressible("body.sleeve.poisson_ratio", b.sleeve.poisson_ratio)
 }
 
-/// The parts of the tool body meet, and none is below the tip of the nose.
+/// Checks that the parts of the tool body meet, and that none is below the tip of the nose.
 fn assembly(v: &Values) -> Result<(), Conflict> {
     let b = &v.body;
     let top = b.nose_height + b.barrel_height + b.cap_height;
@@ -260,7 +270,7 @@ fn assembly(v: &Values) -> Result<(), Conflict> {
 }
 
 impl Grain {
-    /// The constants with axis 1 along the grain, 2 radial and 3 tangential.
+    /// The constants for axis 1 along the grain, 2 radial and 3 tangential.
     pub fn axes(&self) -> Orthotropic {
         Orthotropic {
             e1: self.e_l,
@@ -293,7 +303,7 @@ impl Wood {
         } = self.elastic.axes();
         match self.driven {
             Rings::Tangential => self.elastic.axes(),
-            // nu_TR = nu_RT E_T/E_R, the compliance being symmetric.
+            // nu_TR = nu_RT E_T/E_R, because the compliance is symmetric.
             Rings::Radial => Orthotropic {
                 e1,
                 e2: e_t,

@@ -1,18 +1,18 @@
-//! Conflicting values of a design: the message, their keys, and the remedy.
+//! Conflicting values of a design: message, keys and remedy.
 
 use nailnoise_quantities::dimension::*;
 
 use super::show::{Short, mm, show};
 use super::springs::Sprung;
 
-/// Limit of compression for the printed polynomial of the closing spring (Eq. 4.60) \[m\].
+/// Compression limit of the published polynomial of the closing spring (Eq. 4.60) \[m\].
 pub(super) const SPRING_LIMIT: f64 = 5e-3;
 
 /// Two or more conflicting values, with their numbers in SI units.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Conflict {
-    /// The nail would come out below the block.
+    /// The nail would protrude below the block.
     #[error("the nail ({}) is longer than the block is thick ({})", mm(*length), mm(*thickness))]
     NailLongerThanBlock {
         /// Length of the nail \[m\].
@@ -20,7 +20,7 @@ pub enum Conflict {
         /// Thickness of the block \[m\].
         thickness: f64,
     },
-    /// A board is part of the built-in block.
+    /// A board requires the built-in block.
     #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
     BoardOnMesh,
     /// The head of the waiting nail would be above the rod's end.
@@ -35,7 +35,7 @@ pub enum Conflict {
         /// Height of the rod's end before the shot, stroke less protrusion \[m\].
         setback: f64,
     },
-    /// A length that must be smaller than another, or equal where `strict` is false.
+    /// A length must be smaller than another, or at most equal if `strict` is false.
     #[error("{} ({}) must be {} {} ({})", term(small), mm(*value), order(*strict), term(large), mm(*limit))]
     Order {
         /// The smaller length: a key, or a term with keys in backticks.
@@ -46,12 +46,12 @@ pub enum Conflict {
         large: &'static str,
         /// Its value \[m\].
         limit: f64,
-        /// Whether equality is refused too.
+        /// Whether equality is rejected too.
         strict: bool,
-        /// Why.
+        /// The reason.
         because: &'static str,
     },
-    /// Nose and magazine carry more than all of the lumped mass.
+    /// Nose and magazine carry more than the total lumped mass.
     #[error("`body.lumped_nose` ({nose}) and `body.lumped_magazine` ({magazine}) must add up to 1 at most")]
     LumpedShares {
         /// Share on the nose \[-\].
@@ -59,7 +59,7 @@ pub enum Conflict {
         /// Share on the magazine \[-\].
         magazine: f64,
     },
-    /// The closing spring is pressed beyond the range of its law.
+    /// The closing spring is compressed beyond the range of its law.
     #[error("the head valve's lift ({}) and spring preload ({}) add up to {}, the spring's law (Eq. 4.60) ends at {}",
         mm(*lift), mm(*preload), mm(lift + preload), mm(SPRING_LIMIT))]
     SpringBeyondLaw {
@@ -68,7 +68,7 @@ pub enum Conflict {
         /// Preload \[m\].
         preload: f64,
     },
-    /// Static friction below sliding friction.
+    /// Static friction is below sliding friction.
     #[error("`{group}` has less static ({} N) than sliding friction ({} N)",
         Short(*static_force), Short(*sliding_force))]
     Friction {
@@ -88,7 +88,7 @@ pub enum Conflict {
         /// Force of the guard's spring at its full travel \[N\].
         guard: f64,
     },
-    /// Elastic constants with which a solid would give energy away.
+    /// Elastic constants imply negative strain energy.
     #[error("the elastic constants of `{group}` are not positive definite: the scaled compliance has the eigenvalue {}",
         Short(*eigenvalue))]
     NotElastic {
@@ -97,7 +97,7 @@ pub enum Conflict {
         /// Smallest eigenvalue of the compliance matrix, scaled by its diagonal \[-\].
         eigenvalue: f64,
     },
-    /// Poisson's ratio of an isotropic solid.
+    /// Poisson's ratio is impossible for an isotropic solid.
     #[error("`{key}` is {}, an isotropic solid has less than 0.5", Short(*value))]
     Incompressible {
         /// The key.
@@ -105,7 +105,7 @@ pub enum Conflict {
         /// Its value.
         value: f64,
     },
-    /// A supply that cannot drive anything.
+    /// The supply pressure is not above ambient.
     #[error("`supply.pressure` ({} kPa absolute) is not above `ambient.pressure` ({} kPa)",
         Short(1e-3 * supply), Short(1e-3 * ambient))]
     SupplyBelowAmbient {
@@ -114,7 +114,7 @@ pub enum Conflict {
         /// Ambient pressure \[Pa\].
         ambient: f64,
     },
-    /// A muffler is required at frequencies with waves across it.
+    /// Cross modes propagate in the muffler within the range of the analysis.
     #[error("`{key}` ({}) carries plane waves alone up to {:.0} Hz, the exhaust is analysed to {:.0} Hz",
         mm(*diameter), highest, top)]
     NotPlaneWaves {
@@ -127,7 +127,7 @@ pub enum Conflict {
         /// Top of the analysis \[Hz\].
         top: f64,
     },
-    /// The exhaust is analysed where the insertion loss of its muffler was not measured.
+    /// The analysis of the exhaust exceeds the range in which the muffler's insertion loss was measured.
     #[error("`{key}` is {}, the octaves of the measured insertion loss cover {} to {}", show(*value, FREQUENCY),
         show(range[0], FREQUENCY), show(range[1], FREQUENCY))]
     InsertionLossRange {
@@ -138,7 +138,7 @@ pub enum Conflict {
         /// Range of the octaves \[Hz\].
         range: [f64; 2],
     },
-    /// The exhaust is analysed where the law of its muffler's lining is not known.
+    /// The analysis of the exhaust exceeds the range of the law for the muffler's lining.
     #[error("the law of a porous lining ends where the frequency in Hz is its flow resistivity in Pa s/m2, here at \
         {}; the \
          exhaust is analysed to {}", show(*resistivity, FREQUENCY), show(*top, FREQUENCY))]
@@ -148,7 +148,7 @@ pub enum Conflict {
         /// Top of the analysis \[Hz\].
         top: f64,
     },
-    /// The muffler's tail pipe cannot have the flow area given.
+    /// The muffler's tail pipe is too small for the given flow area.
     #[error("`exhaust.muffler.flow_area` ({}) is more than the tail pipe of {} has ({})",
         show(*area, AREA), mm(*diameter), show(*bore, AREA))]
     MufflerArea {
@@ -159,24 +159,24 @@ pub enum Conflict {
         /// Its bore \[m2\].
         bore: f64,
     },
-    /// A fitting and a muffler on the same holes.
+    /// Both a fitting and a muffler are on the same holes.
     #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
     FittingAndMuffler,
-    /// Nothing carries a body that rests on springs.
+    /// Nothing supports a body that rests on springs.
     #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
     NotCarried {
         /// The body.
         body: Sprung,
-        /// The key that takes other supports away.
+        /// The key that removes other supports.
         key: &'static str,
     },
-    /// Microphones below the sand, on a measurement surface that stands on the floor.
+    /// Microphones would be below the sand, on a measurement surface that stands on the floor.
     #[error("a sandbox of {} on the floor is not below {}, where the microphones would be in the \
         sand", mm(*depth), mm(*highest))]
     MicrophonesInSand {
         /// Depth of the box \[m\].
         depth: f64,
-        /// Depth that it must not reach \[m\].
+        /// Limit of the depth \[m\].
         highest: f64,
     },
     /// Ratio of specific heats of 1 or less.
@@ -185,7 +185,7 @@ pub enum Conflict {
         /// Its value.
         value: f64,
     },
-    /// The range for the ranking is empty.
+    /// The frequency range for the ranking is empty.
     #[error("the range of the ranking runs from {} Hz to {} Hz", Short(*low), Short(*high))]
     EmptyRange {
         /// Lower end \[Hz\].
@@ -202,7 +202,7 @@ pub enum Conflict {
         /// Highest required frequency \[Hz\].
         top: f64,
     },
-    /// A time that must be shorter than another.
+    /// A time must be shorter than another.
     #[error("`{short}` ({} ms) must be below `{long}` ({} ms)", Short(value * 1e3), Short(limit * 1e3))]
     Duration {
         /// Key of the shorter time.
@@ -216,14 +216,14 @@ pub enum Conflict {
     },
 }
 
-/// Samples a period at the highest frequency, for a record that a Fourier transform can use.
+/// Samples per period at the highest frequency needed for a Fourier transform.
 pub(super) const SAMPLES: f64 = 4.0;
 
 fn order(strict: bool) -> &'static str {
     if strict { "below" } else { "at most" }
 }
 
-/// A length in the form of a message: a key in backticks, or an unchanged term.
+/// Formats a length for a message: a key in backticks, or an unchanged term.
 fn term(length: &str) -> String {
     if length.contains('`') {
         length.to_owned()

@@ -1,4 +1,4 @@
-//! The files of a design: for code that waits for their changes.
+//! The files that a design depends on, for code that waits for changes.
 
 use std::path::{Path, PathBuf};
 
@@ -9,9 +9,8 @@ use super::Values;
 use super::assignment::Assignment;
 use super::source::File;
 
-/// The files that a design reads: its own, its bases, and those that its keys and the assignments name, in whichever of
-/// them a key is given. Files that do not exist are included. If a file is not a design, its bases and files are
-/// unknown.
+/// The files that a design reads: its own, its bases, and those named by its keys and by the assignments. Files that do
+/// not exist are included. If a file is not a design, its bases and files are unknown.
 pub fn dependencies(path: &Path, assignments: &[Assignment]) -> Vec<PathBuf> {
     let mut keys = Vec::new();
     Values::SPEC.each_key("", &mut |key, spec| {
@@ -43,7 +42,7 @@ pub fn dependencies(path: &Path, assignments: &[Assignment]) -> Vec<PathBuf> {
     found
 }
 
-/// The text of a key of a table, given directly or as its value with a provenance.
+/// The text of a key of a table, given directly or as the value of a table with provenance.
 fn text<'t>(table: &'t DeTable<'_>, key: &str) -> Option<&'t str> {
     let (groups, name) = key.rsplit_once('.').unwrap_or(("", key));
     let mut table = table;

@@ -1,6 +1,6 @@
-//! Quantities that follow from the primary ones, each by one formula.
+//! Quantities derived from the primary ones by one formula each.
 //!
-//! They are computed and never given twice. A design that nevertheless gives one is refused if the two disagree by more
+//! They are computed and need not be given. A design that nevertheless gives one is rejected if the two differ by more
 //! than [`AGREEMENT`]. If they agree, the user is warned that it has no effect.
 
 use std::f64::consts::PI;
@@ -37,20 +37,20 @@ impl Derived {
     }
 }
 
-/// How a primary quantity follows from a derived one that is drawn.
+/// How a primary quantity is determined from a drawn derived one.
 #[derive(Debug)]
 pub struct Solution {
     /// Full name of the derived quantity.
     pub key: &'static str,
-    /// The primary quantity that follows; all others retain their values.
+    /// The primary quantity that is adjusted; all others keep their values.
     pub follower: &'static str,
-    /// Under which name [`Values::set`] takes the derived quantity so.
+    /// The name under which [`Values::set`] applies the derived quantity in this way.
     pub change: &'static str,
-    /// Sets the follower; whether there is a value for it.
+    /// Sets the follower; returns whether a value exists.
     pub(super) solve: fn(&mut Values, f64) -> bool,
 }
 
-/// All solutions; the first of a derived quantity is the one where none is named.
+/// All solutions; the first one for a derived quantity is the default.
 pub(super) const SOLUTIONS: &[Solution] = &[
     Solution {
         key: "exhaust.area",
@@ -65,7 +65,7 @@ pub(super) const SOLUTIONS: &[Solution] = &[
         key: "exhaust.area",
         follower: "exhaust.holes",
         change: "exhaust.area by exhaust.holes",
-        // The nearest whole number, at least one hole.
+        // The nearest integer, at least one hole.
         solve: |v, area| {
             let holes = 4.0 * area / (PI * v.exhaust.hole_diameter * v.exhaust.hole_diameter);
             let holes = holes.round().clamp(1.0, f64::from(u32::MAX)) as u32;
@@ -75,7 +75,7 @@ pub(super) const SOLUTIONS: &[Solution] = &[
 ];
 
 impl Solution {
-    /// The solution that [`Values::set`] takes under this name.
+    /// The solution that [`Values::set`] applies under this name.
     pub(super) fn find(change: &str) -> Option<&'static Self> {
         SOLUTIONS.iter().find(|own| own.change == change)
     }
@@ -119,7 +119,8 @@ derived! {
     "nail.gap_to_rod" "y_pbin" LENGTH "Piston travel at which the rod strikes the nail's head."
         ["piston.stroke", "piston.rod_protrusion", "nail.feed_height"] |v| v.nail.head_gap(&v.piston);
     "nail.gap_to_wood" "y_pbp" LENGTH "Piston travel at which the nail's tip touches the wood."
-        ["piston.stroke", "piston.rod_protrusion", "nail.length"] |v| v.nail.tip_gap(&v.piston);
+        ["piston.stroke", "piston.rod_protrusion", "nail.length", "workpiece.groove"]
+        |v| v.nail.tip_gap(&v.piston) + v.workpiece.groove;
     "nail.mass" "M_n" MASS "Mass of the nail."
         ["nail.length", "nail.diameter", "nail.head_diameter", "nail.head_thickness", "nail.density"]
         |v| v.nail.mass();
@@ -149,8 +150,8 @@ impl Sand {
 }
 
 impl Body {
-    /// Volume of air \[m3\] that barrel, cap, handle, magazine and nose displace, each as a closed solid of its outer
-    /// dimensions, around a cylinder of a bore \[m\]; arms and overlaps are left out.
+    /// Volume of air displaced by barrel, cap, handle, magazine and nose \[m3\], each as a closed solid with its outer
+    /// dimensions, given the cylinder's bore \[m\]; arms and overlaps are neglected.
     pub fn volume(&self, bore: f64) -> f64 {
         let cylinder = |radius: f64, height: f64| PI * radius * radius * height;
         cylinder(self.barrel_radius(0.5 * bore), self.barrel_height)

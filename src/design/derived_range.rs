@@ -1,11 +1,11 @@
-//! Ranges of derived quantities: a study may draw one in place of the primary quantity that follows from it.
+//! Ranges of derived quantities: a study may draw one instead of the primary quantity that follows from it.
 //!
 //! ```toml
 //! exhaust.area = { range = "100 .. 1000 mm2", distribution = "log-uniform", follows = "hole_diameter" }
 //! ```
 //!
-//! The nearest file counts: a range of the follower in a file nearer to the design drops that of the derived quantity,
-//! and the other way round. Values of the primary quantities that are given without a range move the range in
+//! The file closest to the design takes precedence: a range of the follower in a closer file removes that of the
+//! derived quantity, and vice versa. If primary quantities are given new values without a range, the range is scaled in
 //! proportion (`range.rs`).
 
 use std::collections::HashMap;
@@ -38,7 +38,7 @@ pub(crate) struct DerivedRange {
 }
 
 impl DerivedRange {
-    /// It in a design of these values.
+    /// Its entry in a design with these values.
     pub(super) fn entry(&self, values: &Values) -> Entry {
         Entry {
             key: self.derived.key.to_owned(),
@@ -57,7 +57,7 @@ impl DerivedRange {
     }
 }
 
-/// Ranges of derived quantities that the files have given so far.
+/// Ranges of derived quantities given so far by the files.
 #[derive(Debug, Default)]
 pub(crate) struct MergedDerived {
     found: Vec<Draft>,
@@ -69,7 +69,7 @@ struct Draft {
     range: GivenRange,
     place: Box<Place>,
     solution: &'static Solution,
-    /// Values of the primary quantities in the file that states the range.
+    /// Values of the primary quantities in the file that gives the range.
     primaries: Vec<(&'static str, Given)>,
 }
 
@@ -79,16 +79,16 @@ impl MergedDerived {
         self.found.iter().any(|own| own.given.derived.key == key)
     }
 
-    /// Drops a derived quantity whose follower has a range in a nearer file.
+    /// Removes a derived quantity whose follower has a range in a closer file.
     pub(crate) fn drop_of_follower(&mut self, follower: &str) {
         self.found.retain(|own| own.solution.follower != follower);
     }
 
-    /// Takes the ranges of one file, after its other settings are merged; `ranged` are the keys to which the same file
+    /// Adds the ranges of one file, after its other settings are merged; `ranged` are the keys for which the same file
     /// gives a range.
     ///
     /// # Errors
-    /// A derived quantity without a follower; a follower with a separate range in the same file.
+    /// If a derived quantity has no follower, or its follower has a range in the same file.
     pub(crate) fn take(
         &mut self,
         given: GivenDerived,
@@ -154,7 +154,7 @@ impl MergedDerived {
     /// The derived quantities of a design with these values.
     ///
     /// # Errors
-    /// A range that leaves out the value that the same file gives; a distribution that does not go with the range.
+    /// If a range excludes the value given by the same file, or a distribution is not compatible with the range.
     pub(crate) fn resolved(
         self,
         values: &Values,
@@ -173,7 +173,7 @@ impl MergedDerived {
                 .iter()
                 .map(|(key, given)| (*key, absolute(given)))
                 .collect();
-            // Values of a file of the chain are of their keys' kinds.
+            // Values in the files of the chain are of their keys' kinds.
             let _ = base.set(&primaries);
             let [own, base] = [values, &base].map(|values| (derived.value)(values));
             let range = draft.range.of(base, ambient);

@@ -1,4 +1,4 @@
-//! How a quantity is distributed over its range, for studies.
+//! Distribution of a quantity over its range, for studies.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Distribution {
-    /// Every value of the range is as likely.
+    /// All values in the range are equally likely.
     #[default]
     Uniform,
     /// The density rises linearly from the lower end to the value of the design, and falls linearly to the upper end.
     Triangular,
-    /// Normal around the middle of the range, whose ends are two standard deviations away; cut at three.
+    /// Normal around the centre of the range, whose ends are two standard deviations away; truncated at three.
     Normal,
     /// The logarithm is uniform.
     LogUniform,
@@ -36,7 +36,7 @@ impl Distribution {
         Self::ALL.into_iter().find(|own| own.as_str() == word)
     }
 
-    /// Why a quantity with this value and range cannot be distributed so; `None` if it can.
+    /// Why a quantity with this value and range cannot have this distribution; `None` if it can.
     pub(crate) fn problem(self, value: f64, [low, high]: [f64; 2]) -> Option<&'static str> {
         match self {
             // An exact value has no distribution.

@@ -1,4 +1,4 @@
-//! Facts about one key of a design.
+//! Everything known about one key of a design.
 
 use nailnoise_quantities::Value;
 
@@ -6,18 +6,18 @@ use super::distribution::Distribution;
 use super::provenance::Provenance;
 use super::range::RangeOrigin;
 
-/// Facts about one key of a design.
+/// Everything known about one key of a design.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Entry {
-    /// Full name, as `piston.mass`.
+    /// Full name, such as `piston.mass`.
     pub key: String,
-    /// Symbol in the thesis or the field; empty if there is none.
+    /// Symbol in the thesis or in common use; empty if there is none.
     pub symbol: &'static str,
     /// Value, quantities in SI units.
     pub value: Value,
     /// SI unit; empty for plain numbers, counts, switches and choices.
     pub unit: String,
-    /// Range of plausible values, in SI units; two equal ends for a value that is exact.
+    /// Range of plausible values, in SI units; the ends are equal for an exact value.
     pub range: Option<[f64; 2]>,
     /// Origin of the range; none without one.
     pub range_origin: Option<RangeOrigin>,

@@ -1,4 +1,4 @@
-//! The fault of a design, its place, and the remedy.
+//! Errors in a design, with their place and remedy.
 
 use std::error::Error;
 use std::fmt::{self, Display};
@@ -22,7 +22,7 @@ use super::surfaces::SurfaceProblem;
 pub struct DesignError {
     /// The fault.
     pub problem: Problem,
-    /// The key in question, or the `base` key that names a file; none if the error concerns an entire file or no file
+    /// The key concerned, or the `base` key that names a file; none if the error concerns an entire file or no file
     /// gives the key.
     pub at: Option<Box<Place>>,
 }
@@ -36,15 +36,15 @@ pub enum Problem {
     NotFound {
         /// The requested file.
         path: PathBuf,
-        /// A design file nearby whose name is most like it.
+        /// A design file nearby with a similar name.
         nearest: Option<PathBuf>,
     },
-    /// The file is there and cannot be read.
+    /// The file exists but cannot be read.
     #[error("the design file `{}` cannot be read: {source}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The file contains bytes that are not UTF-8 text.
@@ -55,54 +55,72 @@ pub enum Problem {
         /// Line of the first such byte, from 1.
         line: usize,
     },
-    /// The text is no TOML.
+    /// The text is not valid TOML.
     #[error("this is not TOML: {message}")]
     Syntax {
         /// Fault that the reader found.
         message: String,
     },
-    /// A file inherits from itself, directly or through others.
+    /// A file inherits from itself, directly or indirectly.
     #[error("inheritance loop: {}", chain.join(" -> "))]
     InheritanceLoop {
-        /// The files of the loop, the first one again at the end.
+        /// The files of the loop; the first one is repeated at the end.
         chain: Vec<String>,
     },
-    /// A key that no design has.
+    /// A key does not exist.
     #[error("unknown key `{key}`")]
     UnknownKey {
         /// Its full name.
         key: String,
-        /// The key most like it, if one is.
+        /// The most similar key, if any.
         nearest: Option<String>,
         /// The permitted keys at this place.
         known: Vec<String>,
     },
-    /// A key of an earlier version.
+    /// A key belongs to an earlier version.
     #[error("`{key}` is no longer a key")]
     Replaced {
         /// Its full name.
         key: String,
-        /// The keys in its place, in words.
+        /// The keys that replace it, in words.
         successors: &'static str,
     },
-    /// A group that no design has.
+    /// A group does not exist.
     #[error("unknown group `[{group}]`")]
     UnknownGroup {
         /// Its full name.
         group: String,
-        /// The group most like it, if one is.
+        /// The most similar group, if any.
         nearest: Option<String>,
         /// The permitted groups at this place.
         known: Vec<String>,
     },
-    /// A fault of the assembly.
+    /// The assembly has an error.
     #[error(transparent)]
     Assembly(Box<AssemblyError>),
     /// A design with its own assembly, where only the tool of the keys can be computed.
-    #[error("`[cycle]` describes the tool as the assembly \"{name}\", whose sound is not computed yet")]
+    #[error("`[cycle]` describes the tool as the assembly \"{name}\"; this command computes only the tool of the keys")]
     OwnAssembly {
         /// Name of the assembly.
         name: String,
+    },
+    /// An assembly without the workpiece, support and air that its sound needs.
+    #[error("the assembly \"{name}\" describes a tool, but no workpiece, support and microphones for its sound")]
+    OnlyAssembly {
+        /// Name of the assembly.
+        name: String,
+    },
+    /// A key whose value an assembly does not follow.
+    #[error("`{key}` = \"{value}\" has no effect on the assembly \"{name}\"")]
+    NotOfAssembly {
+        /// Full name of the key.
+        key: String,
+        /// Its value.
+        value: String,
+        /// Name of the assembly.
+        name: String,
+        /// What to do instead.
+        remedy: &'static str,
     },
     /// A member of a list whose name could not be one in results and files.
     #[error("\"{name}\" cannot be a name")]
@@ -110,17 +128,17 @@ pub enum Problem {
         /// The name.
         name: String,
     },
-    /// A value of the wrong type.
+    /// A value has the wrong type.
     #[error("`{key}` is {found}, it must be given {expected}")]
     WrongKind {
         /// Full name of the key.
         key: String,
         /// The text at that place.
         found: String,
-        /// The permitted value or text.
+        /// Description of what is allowed.
         expected: String,
     },
-    /// A text that does not begin with a number.
+    /// A text does not begin with a number.
     #[error("`{key}`: \"{found}\" is not a number with a unit")]
     BadNumber {
         /// Full name of the key.
@@ -130,7 +148,7 @@ pub enum Problem {
         /// The expected dimension.
         expected: Dimension,
     },
-    /// A unit that is not known or not clear.
+    /// A unit is unknown or ambiguous.
     #[error("`{key}`: {problem}")]
     BadUnit {
         /// Full name of the key.
@@ -140,7 +158,7 @@ pub enum Problem {
         /// The expected dimension.
         expected: Dimension,
     },
-    /// A unit of another dimension, or a required unit that is missing.
+    /// A unit has the wrong dimension, or a required unit is missing.
     #[error("`{key}` is {expected}, found {}", found_unit(unit, found))]
     WrongUnit {
         /// Full name of the key.
@@ -152,7 +170,7 @@ pub enum Problem {
         /// The dimension of the key.
         expected: Dimension,
     },
-    /// A gauge pressure where only an absolute one makes sense.
+    /// A gauge pressure is given where only an absolute one makes sense.
     #[error("`{key}` cannot be given as gauge pressure, found the unit `{unit}`")]
     Gauge {
         /// Full name of the key.
@@ -160,7 +178,7 @@ pub enum Problem {
         /// The unit found.
         unit: String,
     },
-    /// Not a number, or infinite.
+    /// A value is infinite or not a number.
     #[error("`{key}` is {found}, which is not a finite number")]
     NotFinite {
         /// Full name of the key.
@@ -168,7 +186,7 @@ pub enum Problem {
         /// The text at that place.
         found: String,
     },
-    /// A value outside the physical limits.
+    /// A value is outside the physical limits.
     #[error("`{key}` is {found}, it must be {allowed}")]
     OutsideLimits {
         /// Full name of the key.
@@ -178,7 +196,7 @@ pub enum Problem {
         /// The limit in words.
         allowed: String,
     },
-    /// A range whose ends are the wrong way round.
+    /// The ends of a range are reversed.
     #[error("the range of `{key}` runs from {low} down to {high}")]
     BadRange {
         /// Full name of the key.
@@ -188,7 +206,7 @@ pub enum Problem {
         /// Upper end as shown.
         high: String,
     },
-    /// A range that does not include its value.
+    /// A range does not include the value.
     #[error("the range of `{key}` is {low} .. {high} and leaves out its value, {value}")]
     RangeWithoutValue {
         /// Full name of the key.
@@ -200,7 +218,7 @@ pub enum Problem {
         /// Upper end as shown.
         high: String,
     },
-    /// An unknown provenance.
+    /// The provenance is unknown.
     #[error("`{key}` has the provenance \"{found}\"")]
     BadProvenance {
         /// Full name of the key.
@@ -208,7 +226,7 @@ pub enum Problem {
         /// The text at that place.
         found: String,
     },
-    /// A distribution that a quantity cannot have.
+    /// A distribution is not possible for the quantity.
     #[error("`{key}` cannot be distributed as \"{distribution}\": {because}")]
     BadDistribution {
         /// Full name of the key.
@@ -218,39 +236,39 @@ pub enum Problem {
         /// Why not.
         because: &'static str,
     },
-    /// A file that a key names cannot be found.
+    /// A file named by a key cannot be found.
     #[error("`{key}` names {}, which cannot be read: {reason}", path.display())]
     NoFile {
         /// Full name of the key.
         key: String,
         /// The file.
         path: PathBuf,
-        /// Message of the system.
+        /// Error of the operating system.
         reason: String,
     },
-    /// A name that no catalogue has.
+    /// A name is not in the catalogue.
     #[error("`{key}` is \"{found}\", which is no name that nailnoise knows")]
     UnknownName {
         /// Full name of the key.
         key: String,
         /// The name found.
         found: String,
-        /// The name most like it, if one is near.
+        /// The most similar name, if any.
         nearest: Option<String>,
-        /// The list that has all names.
+        /// The list that shows all names.
         list: &'static str,
     },
-    /// Keys that neither the file nor its bases give.
+    /// Keys are missing in the file and its bases.
     #[error("`{key}` is missing{}", others(*count))]
     Missing {
         /// Full name of the first one.
         key: String,
-        /// A value it might have.
+        /// A possible value.
         example: String,
-        /// How many keys are missing.
+        /// Number of missing keys.
         count: usize,
     },
-    /// A derived quantity that disagrees with its primary quantities.
+    /// A derived quantity is inconsistent with its primary quantities.
     #[error("`{key}` is given as {given}, but it is computed: {}", computed(value, primaries))]
     Derived {
         /// Full name of the derived quantity.
@@ -262,7 +280,7 @@ pub enum Problem {
         /// The primary quantities and their values.
         primaries: Vec<(&'static str, String)>,
     },
-    /// Conflicting values.
+    /// Values conflict.
     #[error("{conflict}")]
     Conflict {
         /// The conflict with its numbers.
@@ -270,7 +288,7 @@ pub enum Problem {
         /// The other keys and their places.
         others: Vec<(&'static str, String)>,
     },
-    /// A sensor that cannot make the requested measurement.
+    /// A sensor cannot make the requested measurement.
     #[error("the sensor `{name}` {problem}")]
     Sensor {
         /// Its name.
@@ -278,19 +296,19 @@ pub enum Problem {
         /// The fault of the sensor.
         problem: SensorProblem,
     },
-    /// A stage that needs more memory than allowed.
+    /// A stage exceeds the memory limit.
     #[error("the {stage} would need {needs}; {allowed}")]
     TooCostly {
         /// Name of the stage.
         stage: &'static str,
         /// Its requirements, in words.
         needs: String,
-        /// The permitted values, in words.
+        /// The limit, in words.
         allowed: String,
-        /// The keys that change it most, and the direction for each.
+        /// The keys that affect it most, and the direction for each.
         keys: &'static [(&'static str, &'static str)],
     },
-    /// A place that is not that of a surface.
+    /// The place of a surface is invalid.
     #[error("the surface `{name}` {problem}")]
     Surface {
         /// Its name.
@@ -298,7 +316,7 @@ pub enum Problem {
         /// The fault of the surface.
         problem: SurfaceProblem,
     },
-    /// A cap that cannot be separated from the rest of the tool body, if its outer side counts to the exhaust.
+    /// The cap cannot be separated from the rest of the tool body, although its outer side counts towards the exhaust.
     #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the \
         exhaust", panels[0],
         panels[1])]
@@ -308,7 +326,7 @@ pub enum Problem {
         /// Panels of the cap, and of all of the outline.
         panels: [usize; 2],
     },
-    /// A spring that is not on its body.
+    /// A spring does not act on its body.
     #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
         show(point[2], LENGTH), show(*distance, LENGTH), body.as_str())]
     Spring {
@@ -318,7 +336,7 @@ pub enum Problem {
         body: Sprung,
         /// Its position \[m\].
         point: [f64; 3],
-        /// How far from the body \[m\].
+        /// Distance from the body \[m\].
         distance: f64,
     },
 }
@@ -376,7 +394,7 @@ impl DesignError {
         self.at.as_deref()
     }
 
-    /// Full name of the key in question; none if the problem concerns no key or several.
+    /// Full name of the key concerned; none if the error concerns no key or several.
     pub fn key(&self) -> Option<&str> {
         self.problem.key()
     }
@@ -400,7 +418,7 @@ impl Error for DesignError {
 }
 
 impl Problem {
-    /// The error with its place.
+    /// Adds the place to the error.
     pub(super) fn at(self, place: impl Into<Option<Box<Place>>>) -> DesignError {
         DesignError {
             problem: self,
@@ -460,10 +478,16 @@ impl Problem {
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::Assembly(error) => error.help(),
             Self::OwnAssembly { .. } => {
-                "`nailnoise check` lists its network, and `nailnoise cycle` computes its motion, pressures, forces, \
-                 flows and events; without `[cycle]` the sound of the tool of the keys is computed"
+                "`check`, `cycle`, `run`, `compare`, `study` and `sweep` take assemblies; without `[cycle]` every \
+                 command computes the tool of the keys"
                     .to_owned()
             }
+            Self::OnlyAssembly { .. } => {
+                "add `base = \"n80cb.toml\"` in front of `[cycle]`: workpiece, support, air and microphones of that \
+                 design count, and its tool is replaced; `check` and `cycle` need no base"
+                    .to_owned()
+            }
+            Self::NotOfAssembly { remedy, .. } => (*remedy).to_owned(),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
             Self::TooCostly { keys, .. } => {
@@ -559,7 +583,7 @@ impl Problem {
         }
     }
 
-    /// The name of its kind, and the label at its place.
+    /// The name of its kind, and the label shown at its place.
     fn words(&self) -> [&'static str; 2] {
         match self {
             Self::NotFound { .. } => ["not_found", "asked for here"],
@@ -572,6 +596,8 @@ impl Problem {
             Self::UnknownGroup { .. } => ["unknown_group", "unknown group"],
             Self::Assembly(_) => ["assembly", "here"],
             Self::OwnAssembly { .. } => ["own_assembly", "its own assembly"],
+            Self::OnlyAssembly { .. } => ["only_assembly", "without a base"],
+            Self::NotOfAssembly { .. } => ["not_of_assembly", "has no effect"],
             Self::BadName { .. } => ["bad_name", "no name"],
             Self::Sensor { .. } => ["sensor", "of this sensor"],
             Self::TooCostly { .. } => ["too_costly", "too costly"],
@@ -623,11 +649,11 @@ impl Diagnostic for DesignError {
     }
 }
 
-/// A remark on a design for the user; it does not stop the run.
+/// A remark on a design for the user, which does not stop the run.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A value outside the range that the base states. Its own range is assumed from that.
+    /// A value is outside the range given in the base. Its own range is assumed from that.
     #[error("`{key}` = {value} is outside its range {low} .. {high} in the base")]
     OutsideRange {
         /// Full name of the key.
@@ -641,7 +667,7 @@ pub enum Warning {
         /// Place of the value.
         at: Box<Place>,
     },
-    /// The base is missing, and the design of this name that comes with the program replaces it.
+    /// The base is missing, and the design of this name that comes with the program is used instead.
     #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise \
         {}", env!("CARGO_PKG_VERSION"))]
     ShippedBase {
@@ -650,7 +676,7 @@ pub enum Warning {
         /// Place of the name.
         at: Box<Place>,
     },
-    /// The exhaust is computed up to a frequency below the end of the range in which the sources are compared.
+    /// The exhaust is computed up to a frequency below the end of the range in which sources are compared.
     #[error(
         "the exhaust is computed up to `analysis.exhaust_max_frequency` = {top} Hz only: its sound in the bands from \
          {} to {} \
@@ -664,22 +690,22 @@ pub enum Warning {
         top: f64,
         /// Upper end of the range of the levels \[Hz\].
         high: f64,
-        /// First and last of the third-octave bands that lack the exhaust in part or as a whole \[Hz\].
+        /// First and last of the third-octave bands in which the exhaust is partly or completely missing \[Hz\].
         bands: [f64; 2],
         /// Where one of the two is given.
         at: Box<Place>,
     },
-    /// A key of an earlier version.
+    /// A key belongs to an earlier version.
     #[error("`{key}` is now `{successor}`")]
     Renamed {
         /// Full name of the key as given.
         key: String,
-        /// Its name of today.
+        /// Its current name.
         successor: &'static str,
         /// Place of the key.
         at: Box<Place>,
     },
-    /// A derived quantity is given and agrees with its primary ones.
+    /// A derived quantity is given and is consistent with its primary ones.
     #[error("`{key}` has no effect: it is computed from {}", primaries.join(", "))]
     Computed {
         /// Full name of the derived quantity.
@@ -762,7 +788,7 @@ fn labels<'a>(place: &Place, label: &str) -> Option<Box<dyn Iterator<Item = Labe
     Some(Box::new(std::iter::once(place.label(label))))
 }
 
-/// The design file in the same folder whose name is most like that of `path`.
+/// The design file in the same folder whose name is most similar to that of `path`.
 fn nearest_design(path: &Path) -> Option<PathBuf> {
     let stem = path.file_stem()?.to_string_lossy().into_owned();
     let folder = path.parent()?;

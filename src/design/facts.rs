@@ -1,4 +1,4 @@
-//! Facts about keys apart from their declaration: plausible values for tools of this class, the consequence of a value
+//! Facts about keys beyond their declaration: plausible values for tools of this class, the consequence of a value
 //! outside, and how the quantity is measured. The data are in `keys.toml`.
 
 use std::collections::BTreeMap;
@@ -16,13 +16,13 @@ use nailnoise_quantities::dimension::NUMBER;
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyFacts {
-    /// Range of values of tools of this class, with its unit; none if there is no such range.
+    /// Plausible range of values for tools of this class, with its unit; none if there is no such range.
     #[serde(default)]
     plausible: Option<String>,
     /// The consequence of a value outside.
     #[serde(default)]
     outside: String,
-    /// How it is measured; empty if the quantity cannot be measured with simple means.
+    /// How it is measured; empty if the quantity cannot be measured by simple means.
     #[serde(default)]
     how: String,
     #[serde(default)]
@@ -38,11 +38,11 @@ pub struct KeyFacts {
 pub struct Measurement {
     /// How it is measured.
     pub how: &'static str,
-    /// With what.
+    /// The instrument needed.
     pub instrument: &'static str,
-    /// How long it takes one person \[min\].
+    /// Time needed by one person \[min\].
     pub minutes: u32,
-    /// How close it comes, with its unit.
+    /// Accuracy, with its unit.
     pub accuracy: &'static str,
 }
 
@@ -55,13 +55,13 @@ pub struct OutsideValue {
     pub value: String,
     /// The range, with readable units.
     pub range: [String; 2],
-    /// Whose range it is: `class` for tools of this class, `design` for the range that the design gives.
+    /// Origin of the range: `class` for tools of this class, `design` for the range given in the design.
     pub of: &'static str,
     /// The consequence.
     pub consequence: String,
 }
 
-/// The data; a file that cannot be read would be a fault of the program, which a test of it excludes.
+/// The data; a file that cannot be parsed would be a fault of the program, which a test rules out.
 static FACTS: LazyLock<BTreeMap<String, KeyFacts>> =
     LazyLock::new(|| toml::from_str(include_str!("keys.toml")).unwrap_or_default());
 
@@ -71,7 +71,7 @@ pub fn facts(key: &str) -> Option<&'static KeyFacts> {
 }
 
 impl KeyFacts {
-    /// The plausible range in SI units; none if there is none.
+    /// The plausible range in SI units, if any.
     pub fn plausible(&self, kind: Kind) -> Option<[f64; 2]> {
         let dimension = match kind {
             Kind::Quantity { dimension, .. } => dimension,
@@ -81,12 +81,12 @@ impl KeyFacts {
         Some(ends.map(|end| end.si))
     }
 
-    /// The plausible range as the data state it.
+    /// The plausible range as stated in the data.
     pub fn plausible_in_words(&self) -> Option<&str> {
         self.plausible.as_deref()
     }
 
-    /// How the quantity is measured; none if it cannot be measured with simple means.
+    /// How the quantity is measured; none if it cannot be measured by simple means.
     pub fn measurement(&'static self) -> Option<Measurement> {
         (!self.how.is_empty()).then_some(Measurement {
             how: &self.how,
@@ -107,7 +107,7 @@ fn declarations() -> BTreeMap<String, &'static KeySpec> {
 }
 
 impl Design {
-    /// Values outside the ranges of tools of this class, and outside those that the design itself gives.
+    /// Values outside the ranges for tools of this class, and outside those given in the design.
     pub fn outside_values(&self) -> Vec<OutsideValue> {
         let declared = declarations();
         let of_class = |entry: &Entry| {
@@ -187,7 +187,7 @@ mod tests {
         }
     }
 
-    /// The uncertainty of the value of one tool is smaller than the scatter over all tools.
+    /// The uncertainty of a single tool's value is smaller than the scatter over all tools.
     #[test]
     fn the_shipped_tool_and_its_ranges_are_plausible() {
         let design = Design::shipped("n80cb.toml").unwrap();

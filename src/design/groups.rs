@@ -175,7 +175,7 @@ group! {
         /// Wood by name, which sets density, hardness modulus, loss factor, elastic constants and, with the shank of
         /// `nail.kind`, penetration law and share of friction; keys beside it win. `nailnoise list woods` prints them.
         species: Species = Species::KIND, "";
-        ..cycle: dynamics::Wood;
+        ..cycle: dynamics::NailedWood;
         /// Fitted law of the word `fitted`, a file that `nailnoise penetration fit` writes; unused with the other laws.
         penetration_fit: String = Kind::File, "";
         /// Share of the resistance at full depth that is friction along the shank; the rest acts at the tip.

@@ -1,4 +1,4 @@
-//! The design file's schema for editors, from the same declarations that read it.
+//! JSON schema of the design file for editors, made from the same declarations that read the file.
 
 use nailnoise_quantities::{Group, GroupSpec, KeySpec, Kind};
 use serde_json::{Map, Value, json};
@@ -83,6 +83,8 @@ fn study() -> Value {
                           "description": "Draws of `nailnoise run` for a design without a study."},
             "default_range": {"type": "string", "pattern": "^\\s*(base|exact|(\\+-|\u{b1}).*%)\\s*$",
                               "description": "Range of values given without one, where a base states a range."},
+            "draws": {"type": "string",
+                      "description": "File with joint draws of keys, which `nailnoise calibrate` writes."},
             "alternatives": {"type": "object", "additionalProperties": {"type": ["object", "array"]},
                              "description": "Values of a key with weights, or a list of options of a group."},
             "model": {"type": "object", "properties": SOURCES.map(|source| (source.to_owned(), band.clone()))
@@ -149,7 +151,7 @@ fn key(spec: &KeySpec) -> Value {
         Kind::Choice(words) => json!({"enum": words}),
         Kind::File => json!({"type": "string"}),
     };
-    // A number is in SI units; the limits do not apply to a text.
+    // A number is in SI units; the limits do not apply to a text with a unit.
     if let Some([low, high]) = spec.kind.domain() {
         (plain["minimum"], plain["maximum"]) = (json!(low), json!(high));
     }

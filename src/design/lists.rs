@@ -1,4 +1,4 @@
-//! Results of the sensors, springs and surfaces of a design.
+//! Values derived from the sensors, springs and surfaces of a design.
 
 use super::groups::{BodyModel, Values};
 use super::sensors::SensorProblem;
@@ -22,7 +22,7 @@ impl Values {
         absent.map(|(name, _)| name.as_str()).collect()
     }
 
-    /// Stiffness and damping along z of all springs on a body \[N/m\], \[N s/m\].
+    /// Total stiffness \[N/m\] and damping \[N s/m\] along z of all springs on a body.
     pub(crate) fn sprung(&self, body: Sprung) -> [f64; 2] {
         let on = self.springs.values().filter(|spring| spring.body == body);
         on.fold([0.0; 2], |[k, c], spring| {
@@ -30,7 +30,7 @@ impl Values {
         })
     }
 
-    /// Names of the surfaces whose body is built in, or absent.
+    /// Names of the surfaces whose body is built in or absent, so that they have no effect.
     pub(crate) fn idle_surfaces(&self) -> Vec<&str> {
         let idle = |surface: &NamedSurface| match surface.body {
             SurfaceOf::Workpiece => self.workpiece.mesh.is_empty(),
@@ -41,7 +41,7 @@ impl Values {
         idle.map(|(name, _)| name.as_str()).collect()
     }
 
-    /// The first surface that its body does not have, with its name.
+    /// The first surface that does not belong to its body, with its name.
     pub(crate) fn surface_problem(&self) -> Option<(&str, SurfaceProblem)> {
         let other = |own: &NamedSurface| !own.body.surfaces().contains(&own.surface);
         let (name, own) = self.surfaces.iter().find(|(_, own)| other(own))?;

@@ -1,4 +1,4 @@
-//! Values, ranges and texts of one key from a chain of files, before it is resolved.
+//! Values, ranges and texts of one key, collected from a chain of files before they are resolved.
 
 use nailnoise_quantities::KeySpec;
 
@@ -14,7 +14,7 @@ pub(crate) struct Merged {
     pub(super) spec: &'static KeySpec,
     pub(super) value: Option<(Given, String, Box<Place>)>,
     pub(super) range: Option<(GivenRange, Box<Place>)>,
-    /// The value in the file that states the range, if a nearer file gives another one.
+    /// The value in the file that states the range, if a file nearer to the design gives another value.
     pub(super) value_of_range: Option<Given>,
     pub(super) distribution: Option<(Distribution, Box<Place>)>,
     pub(super) provenance: Provenance,
@@ -30,7 +30,7 @@ impl Merged {
         self.value.as_ref().map(|(given, ..)| given.clone())
     }
 
-    /// Drops the statements on its range.
+    /// Discards the statements about its range.
     pub(crate) fn forget_range(&mut self) {
         (self.range, self.value_of_range, self.distribution) = (None, None, None);
     }

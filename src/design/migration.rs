@@ -1,4 +1,4 @@
-//! A design file of an earlier version with the keys of today; comments and order stay.
+//! Rewrites a design file of an earlier version with the current keys; comments and order are kept.
 
 use std::path::Path;
 
@@ -11,41 +11,41 @@ use super::source::File;
 /// A key that a migration renames.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RenamedKey {
-    /// Line of the file, from 1.
+    /// Line in the file, starting at 1.
     pub line: usize,
     /// Full name of the key in the file.
     pub old: String,
-    /// Its name of today.
+    /// Its current name.
     pub new: &'static str,
 }
 
 /// A key that has to be replaced by hand.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ReplacedKey {
-    /// Line of the file, from 1.
+    /// Line in the file, starting at 1.
     pub line: usize,
     /// Full name of the key in the file.
     pub old: String,
-    /// What to give in its place.
+    /// What to write instead.
     pub successors: &'static str,
 }
 
-/// What a migration changes in a file.
+/// Changes to a file by a migration.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Migration {
-    /// The text of the file with the keys of today.
+    /// The text of the file with the current keys.
     pub text: String,
-    /// The renamed keys, in their order.
+    /// The renamed keys, in file order.
     pub renamed: Vec<RenamedKey>,
-    /// The keys that are left as they are, in their order.
+    /// The keys to be replaced by hand, in file order; they are left unchanged.
     pub by_hand: Vec<ReplacedKey>,
 }
 
 impl Migration {
-    /// The migration of the design file `path`; its bases are files of their own.
+    /// Migrates the design file `path`, but not its bases.
     ///
     /// # Errors
-    /// A file that cannot be read as TOML text.
+    /// If the file cannot be read as TOML.
     pub fn of(path: &Path) -> Result<Self, DesignError> {
         let file = File::read(path, None)?;
         let mut migration = Self {
@@ -62,7 +62,7 @@ impl Migration {
                 migration.by_hand.push(ReplacedKey { line, old, successors });
             }
         }
-        // From the last to the first, so that the places of the others stay.
+        // From last to first, so that the positions of the others remain valid.
         for old in found.iter().rev() {
             let text = &file.text()[old.span.clone()];
             if let Some(new) = old.replacement(text) {

@@ -1,4 +1,4 @@
-//! The design file: the definition of a nailer, in the words and units of an engineer.
+//! The design file: the definition of a nailer in the terms and units of an engineer.
 //!
 //! ```text
 //! base = "n80cb.toml"                 # inherit everything, relative to this file, and give what differs
@@ -7,7 +7,7 @@
 //! wood.density = { value = "429 kg/m3", range = "400 .. 480 kg/m3", provenance = "estimated: own scale" }
 //! ```
 //!
-//! [`Design::load`] reads a file and those it inherits from, converts every quantity to SI, and refuses impossible
+//! [`Design::load`] reads a file and those it inherits from, and converts every quantity to SI. It rejects impossible
 //! designs: unknown keys, wrong dimensions, numbers that are not finite, values outside the physical limits,
 //! conflicting values, and derived quantities that disagree with their primary ones. Each error names file, line, key
 //! and remedy ([`DesignError`]).
@@ -26,6 +26,7 @@ mod error;
 mod facts;
 mod groups;
 pub mod inputs;
+mod joint_draws;
 mod json_schema;
 mod lists;
 mod merged;
@@ -49,7 +50,7 @@ mod suggest;
 mod surfaces;
 mod transducers;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
@@ -69,6 +70,7 @@ pub use entry::Entry;
 pub use error::{DesignError, Problem, Warning};
 pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
+pub use joint_draws::JointDraws;
 pub use json_schema::json_schema;
 pub use migration::{Migration, RenamedKey, ReplacedKey};
 pub use nailnoise_documents::Place;
@@ -86,6 +88,7 @@ pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 pub use transducers::{Chamber, Transducer};
 
 use crate::wording::hexadecimal;
+use assembly::OwnAssembly;
 use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
@@ -98,23 +101,23 @@ pub(crate) use source::File;
 /// A design: every quantity in SI units, with its origin.
 ///
 /// The groups are fields of the design: `design.supply.pressure` is the supply pressure in Pa. A program may change
-/// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and [`conflict`](Values::conflict) checks the
-/// result.
+/// them. [`digest`](Self::digest) and [`entries`](Self::entries) reflect the change, and [`conflict`](Values::conflict)
+/// checks the result.
 #[derive(Debug, Clone)]
 pub struct Design {
     name: String,
     path: PathBuf,
     values: Values,
-    /// Shared: a study makes thousands of designs that differ only in values.
+    /// Shared, because a study makes thousands of designs that differ only in values.
     records: Arc<Records>,
     /// Derived quantities that a study draws.
     derived: Arc<Vec<DerivedRange>>,
     study: StudySettings,
     report: ReportSettings,
-    /// The network of its tables `[cycle]`; none for a tool like the N80CB.
-    assembly: Option<Arc<AssemblyText>>,
+    /// The network of its tables `[cycle]`; none for the tool of the keys.
+    assembly: Option<OwnAssembly>,
     warnings: Vec<Warning>,
-    /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
+    /// Standard normal scores with which the fitted penetration law is drawn; empty for the fitted law itself.
     law_scores: Vec<f64>,
 }
 
@@ -122,39 +125,39 @@ impl Design {
     /// Reads a design file and those it inherits from.
     ///
     /// # Errors
-    /// A [`DesignError`] for the first thing that is wrong, with its place and remedy.
+    /// A [`DesignError`] for the first fault, with its place and remedy.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, DesignError> {
         Self::load_with(path, &[])
     }
 
-    /// Reads a design file and those it inherits from, with other values for some keys; the last one for a key counts.
+    /// Reads a design file and those it inherits from, with other values for some keys; the last value of a key wins.
     ///
     /// # Errors
-    /// As [`load`](Self::load). A wrong assignment is shown as line 1 of the file `command line`.
+    /// Same as [`load`](Self::load). A wrong assignment is reported as line 1 of the file `command line`.
     pub fn load_with(path: impl AsRef<Path>, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let path = path.as_ref();
         Self::resolve(path, File::read(path, None)?, assignments)
     }
 
-    /// Reads a design from text, as if it were in the file `path`, to whose folder a `base` is relative.
+    /// Reads a design from text as if it were the file `path`; a `base` is relative to the folder of `path`.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Same as [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, DesignError> {
         let path = path.as_ref();
         Self::resolve(path, File::new(path, text), &[])
     }
 
-    /// The design of this path in the folder `designs` that comes with the program.
+    /// The design with this path in the folder `designs` that comes with the program.
     pub fn shipped(path: &str) -> Option<Self> {
         Self::resolve(Path::new(path), File::shipped(path)?, &[]).ok()
     }
 
     fn resolve(path: &Path, file: File, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let over = assignments.iter().rev().map(Assignment::file);
-        let chain: Vec<File> = over.chain(file.chain()?).collect();
+        let chain = assembly::with_assemblies(over.chain(file.chain()?).collect())?;
         let Resolved {
-            values,
+            mut values,
             records,
             derived,
             study,
@@ -166,7 +169,13 @@ impl Design {
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Self {
+        if assembly
+            .as_ref()
+            .is_some_and(|text| !inputs::assembly::loads_housing(text))
+        {
+            values.body.model = BodyModel::Rigid;
+        }
+        let mut design = Self {
             name,
             path: path.to_owned(),
             values,
@@ -174,17 +183,25 @@ impl Design {
             derived: Arc::new(derived),
             study,
             report,
-            assembly: assembly.map(Arc::new),
+            assembly: assembly.map(OwnAssembly::new),
             warnings,
             law_scores: Vec::new(),
-        })
+        };
+        let read = inputs::assembly::keys(&design);
+        if let (Some(own), Ok(keys)) = (&mut design.assembly, read) {
+            own.read(&keys)?;
+        }
+        match design.conflict() {
+            Some(conflict) => Err(resolve::conflicting(conflict, &design.records)),
+            None => Ok(design),
+        }
     }
 
-    /// The assembly of a file and those it inherits from: with the design whose keys it uses, or alone if the files
-    /// give no base. None if no file has a table `[cycle]`.
+    /// The assembly of a file and those it inherits from, together with the design whose keys it uses; alone if no base
+    /// is given. `None` if no file has a table `[cycle]`.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Same as [`load`](Self::load).
     pub(crate) fn load_assembly(
         path: &Path,
         assignments: &[Assignment],
@@ -206,12 +223,74 @@ impl Design {
         Ok(Some(LoadedAssembly::Alone(text)))
     }
 
-    /// The network of its tables `[cycle]`; none for a design that has no such table.
+    /// Network given by the tables `[cycle]`; `None` for a design without such tables.
     pub fn assembly(&self) -> Option<&AssemblyText> {
-        self.assembly.as_deref()
+        self.assembly.as_ref().map(OwnAssembly::text)
     }
 
-    /// Refuses a design with its own assembly, where only the tool of the keys can be computed.
+    /// Literals of its assembly that were set since it was read, by full name.
+    pub(crate) fn set_literals(&self) -> impl Iterator<Item = (&str, f64, Dimension)> {
+        self.assembly.iter().flat_map(OwnAssembly::changed)
+    }
+
+    /// Sets keys and literals of an assembly by their full names, as [`Values::set`].
+    ///
+    /// # Errors
+    /// [`SetError`] for the first that cannot be set; nothing is changed then.
+    pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
+        let Some(own) = &self.assembly else {
+            return self.values.set(changes);
+        };
+        let (literals, keys): (Vec<_>, Vec<_>) = changes.iter().cloned().partition(|(key, _)| own.is_literal(key));
+        let mut own = own.clone();
+        for (key, value) in literals {
+            own.set(key, &value)?;
+        }
+        self.values.set(&keys)?;
+        self.assembly = Some(own);
+        Ok(())
+    }
+
+    /// Keys that an assembly leaves without effect; none for the tool of the keys.
+    pub(crate) fn idle_keys(&self) -> BTreeSet<String> {
+        let mut idle = BTreeSet::new();
+        if let Some(own) = &self.assembly {
+            self.values.visit("", &mut |key, _, _| {
+                if !own.uses(key) {
+                    idle.insert(key.to_owned());
+                }
+            });
+        }
+        idle
+    }
+
+    /// Whether a key is a literal of its assembly.
+    pub(crate) fn is_literal(&self, key: &str) -> bool {
+        self.assembly.as_ref().is_some_and(|own| own.is_literal(key))
+    }
+
+    /// The first conflict between values that have an effect, if there is one.
+    pub fn conflict(&self) -> Option<Conflict> {
+        self.values.conflict_without(&self.idle_keys())
+    }
+
+    /// The error that an assembly does not follow the value of a key, at that key.
+    pub(crate) fn refuse_for_assembly(&self, key: &str, remedy: &'static str) -> DesignError {
+        let record = self.records.get(key);
+        let value = record.map_or_else(String::new, |record| match &record.value {
+            Value::Choice(word) => (*word).to_owned(),
+            other => self.value_in_words(key, other.clone()),
+        });
+        Problem::NotOfAssembly {
+            key: key.to_owned(),
+            value,
+            name: self.assembly().map_or_else(String::new, |text| text.name().to_owned()),
+            remedy,
+        }
+        .at(record.map(|record| record.place.clone()))
+    }
+
+    /// Rejects a design with its own assembly, for operations that support only the built-in tool.
     ///
     /// # Errors
     /// [`Problem::OwnAssembly`].
@@ -228,14 +307,21 @@ impl Design {
         &self.name
     }
 
-    /// The file, as requested.
+    /// Path of the file, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Settings of a study other than the ranges, and the definition of shots that count.
+    /// Settings of a study other than ranges, and the definition of shots that count.
     pub fn study(&self) -> &StudySettings {
         &self.study
+    }
+
+    /// The design with joint draws of keys in place of those that its file names.
+    pub(crate) fn with_joint_draws(&self, draws: std::sync::Arc<JointDraws>) -> Self {
+        let mut design = self.clone();
+        design.study.draws = Some(draws);
+        design
     }
 
     /// Texts in the head of the report other than the design. No result depends on it.
@@ -248,8 +334,8 @@ impl Design {
         &self.warnings
     }
 
-    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal
-    /// component of the covariance of the coefficients. Without scores it is the law itself.
+    /// Draws the fitted penetration law of this design from standard normal scores: one for the specimen, then one for
+    /// each principal component of the covariance of the coefficients. Without scores, the fitted law itself is used.
     pub(crate) fn draw_law(&mut self, scores: Vec<f64>) {
         self.law_scores = scores;
     }
@@ -261,13 +347,13 @@ impl Design {
 
     /// SHA-256 of all values in hexadecimal digits.
     ///
-    /// It is the same for two designs whose values agree to twelve digits, regardless of how and in which files and
-    /// units they are written, and of provenance and range.
+    /// It is the same for two designs whose values agree to twelve digits, regardless of how, in which files and in
+    /// which units they are written, and of provenance and range.
     pub fn digest(&self) -> String {
         self.digest_without(&[])
     }
 
-    /// The same of all values but those of some keys.
+    /// SHA-256 of all values except those of some keys.
     pub(crate) fn digest_without(&self, keys: &[&str]) -> String {
         let mut text = String::new();
         self.values.visit("", &mut |key, _, value| {
@@ -288,13 +374,16 @@ impl Design {
         for score in &self.law_scores {
             let _ = writeln!(text, "law_score={score:.11e}");
         }
-        if let Some(assembly) = self.assembly() {
-            text.push_str(&assembly.canonical());
+        if let Some(own) = &self.assembly {
+            text.push_str(&own.text().canonical());
+            for (key, si, _) in own.changed().filter(|(key, ..)| !keys.contains(key)) {
+                let _ = writeln!(text, "{key}={si:.11e}");
+            }
         }
         hexadecimal(&Sha256::digest(text))
     }
 
-    /// Every key with its kind and value, for tests that move all of them.
+    /// Every key with its kind and value, for tests that vary all of them.
     #[cfg(test)]
     pub(crate) fn keys(&self) -> Vec<(String, Kind, Value)> {
         let mut keys = Vec::new();
@@ -304,7 +393,7 @@ impl Design {
         keys
     }
 
-    /// The error that a sensor of this design cannot make the requested measurement.
+    /// The error that a sensor of this design cannot make the measurement.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)
     }
@@ -326,7 +415,8 @@ impl Design {
         resolve::too_costly((stage, needs, allowed), keys, &self.records)
     }
 
-    /// The error that the cap's panels cannot be separated from those of the rest of the tool body, of how many.
+    /// The error that the cap's panels cannot be separated from those of the rest of the tool body; `panels` are their
+    /// numbers.
     pub(crate) fn refuse_cap(&self, surface: Option<&'static str>, panels: [usize; 2]) -> DesignError {
         let convention = self.records.get("sources.convention");
         Problem::Cap { surface, panels }.at(convention.map(|record| record.place.clone()))
@@ -337,8 +427,8 @@ impl Design {
         resolve::surface(name, problem, &self.records)
     }
 
-    /// Every key with its value in a readable unit, in the order of the reference. The name of a file is followed by a
-    /// part of the digest of its content.
+    /// Every key with its value in a readable unit, in the order of the reference. A file name is followed by part of
+    /// the digest of its content.
     pub fn in_words(&self) -> Vec<(String, String)> {
         let mut words = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
@@ -377,11 +467,14 @@ impl Design {
 
     /// Every key with its value and origin, in the order of the reference.
     ///
-    /// A value changed by the program since the design was read has the provenance "design".
+    /// A value that the program has changed since the design was read has the provenance "design".
     pub fn entries(&self) -> Vec<Entry> {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
             let Some(record) = self.records.get(key) else { return };
+            if self.assembly.as_ref().is_some_and(|own| !own.uses(key)) {
+                return;
+            }
             let Record {
                 range,
                 range_origin,
@@ -390,7 +483,7 @@ impl Design {
                 place,
                 ..
             } = record;
-            // A numerical setting remains one with any value.
+            // A numerical setting keeps its class with any value.
             let changed = value != record.value && record.provenance != Provenance::Numerical;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -407,10 +500,11 @@ impl Design {
                 line: place.line(),
             });
         });
+        entries.extend(self.assembly.iter().flat_map(OwnAssembly::entries));
         entries
     }
 
-    /// The derived quantities that a study draws, as [`entries`](Self::entries), in the order of the reference.
+    /// The derived quantities that a study draws, in the order of the reference, like [`entries`](Self::entries).
     pub fn drawn_derived(&self) -> impl Iterator<Item = (Entry, &'static Solution)> + '_ {
         self.derived.iter().map(|own| (own.entry(&self.values), own.solution))
     }
@@ -419,14 +513,14 @@ impl Design {
 /// An assembly that a command reads.
 #[derive(Debug)]
 pub(crate) enum LoadedAssembly {
-    /// One that uses the keys of a design.
+    /// It uses the keys of a design.
     OfDesign(Box<Design>),
-    /// One whose files give all values.
+    /// Its files give all values.
     Alone(AssemblyText),
 }
 
-/// SHA-256 of the content of a file, so that a digest follows the content and not the place; its name if it cannot be
-/// read.
+/// SHA-256 of the content of a file, so that a digest depends on the content and not on the location; the name of the
+/// file if it cannot be read.
 fn content(path: &str) -> String {
     std::fs::read(path).map_or_else(|_| path.to_owned(), |bytes| hexadecimal(&Sha256::digest(bytes)))
 }
@@ -445,7 +539,7 @@ impl DerefMut for Design {
     }
 }
 
-/// Another value of a key of this kind; none if only one is possible.
+/// Another value for a key of this kind; `None` if only one is possible.
 #[cfg(test)]
 pub(crate) fn another(value: &Value, kind: Kind) -> Option<Value> {
     Some(match (kind, value) {

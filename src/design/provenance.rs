@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-/// The standing of a value; the reports state it beside the number.
+/// The reliability of a value; the reports state it next to the number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Provenance {
-    /// Printed in a publication.
+    /// Published.
     Published,
     /// Computed from published values.
     Computed,
@@ -20,7 +20,7 @@ pub enum Provenance {
     Numerical,
     /// A constant of nature or of the reference atmosphere.
     Constant,
-    /// Set by a design without saying more.
+    /// Set by a design without further information.
     Design,
 }
 

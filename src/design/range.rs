@@ -1,42 +1,43 @@
-//! Ranges: the forms of a range in a file, and the range of a value that is given without one.
+//! Ranges: the forms of a range in a file, and the default range of a value that is given without one.
 //!
-//! A value without a range has that of its base in proportion. With the base's value v_0 and its range low .. high, the
-//! range of another value v is
+//! A value without a range has a range in proportion to that of its base. With the base's value v_0 and its range low
+//! .. high, the range of another value v is
 //!
 //! ```text
 //! low v/v_0 .. high v/v_0           0 is not inside low .. high, and v is 0 or has the sign of v_0
 //! v - w .. v + w, w = (high-low)/2  otherwise: there is no relative width
 //! ```
 //!
-//! both cut at the ends of the key's domain. v_0 and the range are those of the file that states the range, so that
-//! values in files between do not matter. The range always includes the value, because that of the base includes v_0.
+//! Both are cut at the ends of the key's domain. v_0 and the range are those of the file that states the range, so that
+//! values in intermediate files do not matter. The range always includes the value, because the base's range includes
+//! v_0.
 
 use nailnoise_quantities::{Dimension, Measured, QuantityError, quantity, range};
 
-/// Relative tolerance for equal values; the conversion of units rounds.
+/// Relative tolerance for equal values; unit conversion causes rounding.
 const SAME: f64 = 1e-12;
 
-/// Relative tolerance at the ends of a range: "96 psig" as a value and in a range may differ by a rounding.
+/// Relative tolerance at the ends of a range: "96 psig" as a value and in a range may differ by rounding.
 const SLACK: f64 = 1e-9;
 
 /// A range as a file gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum GivenRange {
-    /// Two ends; gauge pressures still count from the ambient pressure.
+    /// Two ends; gauge pressures are still relative to the ambient pressure.
     Ends([Measured; 2]),
-    /// A share of the value to either side: "+-10 %".
+    /// A relative deviation to either side: "+-10 %".
     Relative(f64),
-    /// A distance from the value to either side, in SI units: "+-2 mm".
+    /// An absolute deviation to either side, in SI units: "+-2 mm".
     Within(f64),
-    /// The value alone.
+    /// Only the value itself.
     Exact,
 }
 
 impl GivenRange {
-    /// Reads a text. Behind `+-`, percent are always a share of the value.
+    /// Reads a text. After `+-`, percent always means a fraction of the value.
     ///
     /// # Errors
-    /// A [`QuantityError`] with the fault of the text.
+    /// A [`QuantityError`] for a faulty text.
     pub(crate) fn parse(text: &str, dimension: Dimension, gauge: bool) -> Result<Self, QuantityError> {
         let text = text.trim();
         if text == "exact" {
@@ -60,7 +61,7 @@ impl GivenRange {
         }
     }
 
-    /// Its ends in SI units, if it is given by them.
+    /// Its ends in SI units, if it is given by two ends.
     pub(crate) fn ends(self) -> Option<[f64; 2]> {
         match self {
             Self::Ends(ends) => Some(ends.map(|end| end.si)),
@@ -68,7 +69,7 @@ impl GivenRange {
         }
     }
 
-    /// The range of this value in SI units, with the ambient pressure \[Pa\].
+    /// The range in SI units around this value, with the ambient pressure \[Pa\].
     pub(crate) fn of(self, value: f64, ambient: f64) -> [f64; 2] {
         let around = |half: f64| [value - half, value + half];
         match self {
@@ -83,14 +84,14 @@ impl GivenRange {
 /// The range of a value that is given without one, if a base states a range.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) enum DefaultRange {
-    /// That of the base in proportion.
+    /// In proportion to that of the base.
     #[default]
     Base,
     /// The same for all such values.
     Own(GivenRange),
 }
 
-/// Reads "2 mm" as a difference of two quantities, without the zero of the unit: 5 degC is 5 K.
+/// Reads "2 mm" as a difference of two quantities, without the offset of the unit: 5 degC is 5 K.
 fn difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     let number = ends
@@ -101,22 +102,22 @@ fn difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     Ok(quantity(text, dimension, false)?.si - zero)
 }
 
-/// Where a range comes from.
+/// Origin of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub enum RangeOrigin {
     /// A file states it for this value.
     #[serde(rename = "given")]
     Given,
-    /// The value is given without a range, which is that of the base in proportion.
+    /// The value is given without a range; the range is in proportion to that of the base.
     #[serde(rename = "assumed from base")]
     AssumedFromBase,
-    /// The value is given without a range, which is that of `study.default_range`.
+    /// The value is given without a range; the range is `study.default_range`.
     #[serde(rename = "assumed by study.default_range")]
     AssumedByDefault,
 }
 
 impl RangeOrigin {
-    /// It in words.
+    /// Text for the user.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Given => "given",
@@ -135,13 +136,13 @@ pub(crate) struct Ranged {
     pub(crate) of_base: Option<[f64; 2]>,
 }
 
-/// Whether a range includes a value, but for a rounding.
+/// Whether a range includes a value, apart from rounding.
 pub(crate) fn includes([low, high]: [f64; 2], value: f64) -> bool {
     let slack = SLACK * low.abs().max(high.abs());
     value >= low - slack && value <= high + slack
 }
 
-/// The range of a `value` that is given without one: the base states `range` for the value `base`.
+/// The range of a `value` given without one, where the base states `range` for the value `base`.
 pub(crate) fn inherited(
     value: f64,
     (base, range): (f64, [f64; 2]),

@@ -1,4 +1,4 @@
-//! The reference of all keys, from the same declarations that read them.
+//! The reference of all keys, made from the same declarations that read them.
 
 use std::fmt::Write as _;
 
@@ -55,7 +55,7 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
     }
 }
 
-/// A paragraph in lines of at most 120 columns.
+/// Wraps a paragraph to lines of at most 120 columns.
 fn filled(paragraph: &str) -> String {
     let mut lines = vec![String::new()];
     for word in paragraph.split_whitespace() {

@@ -1,4 +1,4 @@
-//! Keys of earlier versions and their successors: the one table by which files are read and rewritten.
+//! Keys of earlier versions and their successors; this table is used both to read and to rewrite files.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -7,7 +7,7 @@ use nailnoise_quantities::dotted;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A key that has another name in the same group.
+/// A renamed key; the group is the same.
 struct Rename {
     old: &'static str,
     new: &'static str,
@@ -16,7 +16,7 @@ struct Rename {
 /// A key of an earlier version without a successor of the same meaning.
 struct Replaced {
     old: &'static str,
-    /// What to give in its place.
+    /// What to write instead.
     successors: &'static str,
 }
 
@@ -70,22 +70,22 @@ const REPLACED: &[Replaced] = &[
     },
 ];
 
-/// All renamed keys: the earlier name, and that of today.
+/// All renamed keys: the earlier and the current name.
 pub(crate) fn renames() -> impl Iterator<Item = (&'static str, &'static str)> {
     RENAMED.iter().map(|rename| (rename.old, rename.new))
 }
 
-/// The name of today of a key, if it is one of an earlier version.
+/// The current name of a key, if it is one of an earlier version.
 pub(crate) fn successor(key: &str) -> Option<&'static str> {
     RENAMED.iter().find(|rename| rename.old == key).map(|rename| rename.new)
 }
 
-/// The name of today of any key.
+/// The current name of any key.
 pub(crate) fn current(key: &str) -> &str {
     successor(key).unwrap_or(key)
 }
 
-/// What to give in place of a key or group of an earlier version that no single key succeeds.
+/// What to write in place of a key or group of an earlier version that has no single successor.
 pub(crate) fn successors(key: &str) -> Option<&'static str> {
     let replaced = REPLACED.iter().find(|replaced| replaced.old == key);
     replaced.map(|replaced| replaced.successors)
@@ -96,14 +96,14 @@ pub(crate) fn successors(key: &str) -> Option<&'static str> {
 pub(crate) struct OldKey {
     /// Its full name.
     pub(crate) key: String,
-    /// The bytes of its name in the text, with quotes if it has them.
+    /// Byte range of its name in the text, including quotes.
     pub(crate) span: Range<usize>,
-    /// Its name of today; none if it has to be replaced by hand.
+    /// Its current name; `None` if it has to be replaced by hand.
     pub(crate) new: Option<&'static str>,
 }
 
 impl OldKey {
-    /// The text of its name of today in place of the old text; none if it has to be replaced by hand.
+    /// The text of its current name, to replace the old text; `None` if it has to be replaced by hand.
     pub(crate) fn replacement(&self, old: &str) -> Option<String> {
         let new = self.new?;
         let plain = old.trim_matches(['"', '\'']);
@@ -121,7 +121,7 @@ impl OldKey {
 
 type Key<'i> = Spanned<Cow<'i, str>>;
 
-/// The keys of earlier versions in the `table` of a file, those that `[study]` names included, in their order.
+/// The keys of earlier versions in the `table` of a file, including those named in `[study]`, in file order.
 pub(crate) fn old_keys(table: &DeTable<'_>) -> Vec<OldKey> {
     let mut found = Vec::new();
     collect(table, "", &mut found);

@@ -1,4 +1,4 @@
-//! `[report]` of a design file: texts in the head of the report other than the design.
+//! `[report]` of a design file: texts in the head of the report, apart from the design.
 //!
 //! ```toml
 //! [report]
@@ -9,7 +9,7 @@
 //! note = "Exhaust with twelve holes"
 //! ```
 //!
-//! It changes no value of the design and no digest of it: no stage reads it.
+//! It changes no value of the design and no digest, because no stage reads it.
 
 use serde::Serialize;
 use toml::de::{DeTable, DeValue};
@@ -26,9 +26,9 @@ const LONGEST: usize = 2000;
 pub struct ReportSettings {
     /// Heading in place of the name of the design.
     pub title: String,
-    /// For whom the report is.
+    /// The client.
     pub client: String,
-    /// Who is responsible for it.
+    /// The responsible author.
     pub author: String,
     /// Revision of the design or of the report.
     pub revision: String,
@@ -57,7 +57,7 @@ impl ReportSettings {
         })
     }
 
-    /// Takes the texts of a file in `[report]`, which replace those of its bases.
+    /// Reads the texts in `[report]` of a file, which replace those of its bases.
     pub(super) fn read(&mut self, file: &File, table: &DeTable<'_>) -> Result<(), DesignError> {
         let Some(value) = table.get("report") else {
             return Ok(());

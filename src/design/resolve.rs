@@ -1,4 +1,4 @@
-//! From a chain of files to one value per key.
+//! Resolves a chain of files to one value per key.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -28,7 +28,7 @@ use super::surfaces::SurfaceProblem;
 use nailnoise_documents::Place;
 use nailnoise_dynamics::network::AssemblyText;
 
-/// A key with its resolved value and the facts about it.
+/// A key with its resolved value and its origin.
 #[derive(Debug, Clone)]
 pub(crate) struct Record {
     pub(crate) value: Value,
@@ -47,7 +47,7 @@ pub(crate) struct Record {
 /// All keys of a design by their full names.
 pub(crate) type Records = HashMap<String, Record>;
 
-/// A design whose values are known and fit together.
+/// A design whose values are known and compatible.
 #[derive(Debug)]
 pub(crate) struct Resolved {
     pub(crate) values: Values,
@@ -59,7 +59,7 @@ pub(crate) struct Resolved {
     pub(crate) warnings: Vec<Warning>,
 }
 
-/// Reads the files of a chain, the nearest first, and resolves every key.
+/// Reads the files of a chain, nearest first, and resolves every key.
 pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut merged = HashMap::new();
     let mut layers = Vec::new();
@@ -111,7 +111,8 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         .map(|(key, record)| (key.clone(), record.value.clone()))
         .collect();
     let values = Values::build("", &found).map_err(|key| missing(key, 1, "a value".to_owned(), chain))?;
-    if let Some(conflict) = values.conflict() {
+    // With an assembly the keys that it uses are known later.
+    if let Some(conflict) = values.conflict().filter(|_| assembly.is_none()) {
         return Err(conflicting(conflict, &records));
     }
     if let Some((name, problem)) = values.sensor_problem() {
@@ -138,7 +139,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
 }
 
 /// Merges the settings of the files, the furthest base first. Names rank below the keys of their file, and all values
-/// of the command line count as one file: a key wins over a name in whichever order they are given.
+/// of the command line count as one file: a key wins over a name regardless of their order.
 fn merge_layers(
     merged: &mut HashMap<String, Merged>,
     derived: &mut MergedDerived,
@@ -152,7 +153,7 @@ fn merge_layers(
         let all: Vec<&Setting> = file.iter().flat_map(|(.., layer)| &layer.settings).collect();
         let depth = file.iter().map(|(depth, ..)| *depth).max().unwrap_or(0);
         for setting in names.expand(&all)? {
-            // Nothing of a base is left: neither its range nor its note.
+            // Discards everything that a base states, including range and note.
             merged.remove(&setting.key);
             merge(merged, setting, depth);
         }
@@ -206,7 +207,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
             entry.value_of_range = entry.given();
         }
         entry.value = value;
-        // A numerical setting remains one with any value.
+        // A numerical setting keeps its class with any value.
         if entry.provenance != Provenance::Numerical {
             entry.provenance = Provenance::Design;
         }
@@ -227,7 +228,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
     }
 }
 
-/// Every key has a value, in one file or another.
+/// Checks that every key has a value in one of the files.
 fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), DesignError> {
     let mut first: Option<(String, String)> = None;
     let mut count = 0;
@@ -239,7 +240,7 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
         }
     });
     let Some((key, example)) = first else { return Ok(()) };
-    // Together with the given keys of the member of a list, if it is one.
+    // Includes the given keys of a list's member, if the key belongs to one.
     let group = key.rsplit_once('.').map_or("", |(group, _)| group);
     let mut lists = Values::SPEC.lists.iter();
     let is_member = lists.any(|(list, _)| group.starts_with(&dotted(list, "")));
@@ -369,7 +370,7 @@ fn dimension(kind: Kind) -> Dimension {
 }
 
 /// The conflict at the key that was set last: in the file nearest to the design, and there furthest down.
-fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
+pub(crate) fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
     let mut places: Vec<_> = conflict
         .keys()
         .into_iter()
@@ -385,21 +386,22 @@ fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
     Problem::Conflict { conflict, others }.at(at)
 }
 
-/// The fault of a sensor, at the key that was set last: in the file nearest to the design, and there furthest down.
+/// The fault of a sensor, reported at the key that was set last: in the file nearest to the design, and there furthest
+/// down.
 pub(crate) fn sensor(name: &str, problem: SensorProblem, records: &Records) -> DesignError {
     let at = last_set("sensors", name, problem.keys(), records);
     let name = name.to_owned();
     Problem::Sensor { name, problem }.at(at)
 }
 
-/// The fault in the place of a surface, at the key that was set last.
+/// The fault in the place of a surface, reported at the key that was set last.
 pub(crate) fn surface(name: &str, problem: SurfaceProblem, records: &Records) -> DesignError {
     let at = last_set("surfaces", name, problem.keys(), records);
     let name = name.to_owned();
     Problem::Surface { name, problem }.at(at)
 }
 
-/// That a spring is not on its body, at the key of its place that was set last.
+/// The error that a spring is not on its body, reported at the key of its place that was set last.
 pub(crate) fn spring(name: &str, (body, point, distance): (Sprung, [f64; 3], f64), records: &Records) -> DesignError {
     let at = last_set("springs", name, &["x", "y", "z", "body"], records);
     Problem::Spring {
@@ -411,7 +413,7 @@ pub(crate) fn spring(name: &str, (body, point, distance): (Sprung, [f64; 3], f64
     .at(at)
 }
 
-/// That a stage needs more memory than allowed, at the key of its cost that was set last.
+/// The error that a stage needs more memory than allowed, reported at the key of its cost that was set last.
 pub(crate) fn too_costly(
     (stage, needs, allowed): (&'static str, String, String),
     keys: &'static [(&'static str, &'static str)],
@@ -428,7 +430,7 @@ pub(crate) fn too_costly(
     .at(last.map(|record| record.place.clone()))
 }
 
-/// Place of the key of a list's member that was set last.
+/// Place of the last key set of a list's member.
 fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<Box<Place>> {
     let member = dotted(list, name);
     let set = keys.iter().filter_map(|key| records.get(&dotted(&member, key)));
@@ -436,7 +438,7 @@ fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<
     last.map(|record| record.place.clone())
 }
 
-/// Values outside the range of their base, which is the source for the range of a value without one.
+/// Warnings for values outside the range of their base, which determines the range of a value without one.
 fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     let mut warnings = Vec::new();
     values.visit("", &mut |key, spec, value| {
@@ -467,7 +469,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     warnings
 }
 
-/// An exhaust that ends below the range of the levels, at the key that is set in the nearest file.
+/// Warning for an exhaust computed to a lower frequency than the levels, at the key that is set in the nearest file.
 fn exhaust_max_frequency(values: &Values, records: &Records) -> Option<Warning> {
     let (top, high) = (values.analysis.exhaust_max_frequency, values.analysis.range_high);
     if top >= high {
@@ -484,14 +486,14 @@ fn exhaust_max_frequency(values: &Values, records: &Records) -> Option<Warning> 
     })
 }
 
-/// A derived quantity that a file nevertheless gives.
+/// A value that a file gives for a derived quantity.
 struct Agreeing {
     derived: &'static Derived,
     value: Measured,
     at: Box<Place>,
 }
 
-/// A derived quantity that is given must be the computed one; it has no effect then.
+/// Checks that a given derived quantity agrees with the computed one; it has no further effect.
 fn agree(given: Agreeing, values: &Values) -> Result<Warning, DesignError> {
     let Agreeing { derived, value, at } = given;
     let computed = (derived.value)(values);

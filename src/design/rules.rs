@@ -1,4 +1,4 @@
-//! Rules that several groups of quantities share: an order of lengths, and elastic constants that a solid can have.
+//! Rules that several groups of quantities share: the order of lengths, and elastic constants that a solid can have.
 
 use nailnoise_fem::{FemError, Material};
 use nalgebra::Matrix3;
@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use super::conflict::Conflict;
 use super::groups::Orthotropic;
 
-/// A conflict where its condition is met.
+/// Returns the conflict if its condition is met.
 pub(crate) fn refuse(broken: bool, conflict: Conflict) -> Result<(), Conflict> {
     if broken { Err(conflict) } else { Ok(()) }
 }

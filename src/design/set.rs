@@ -1,4 +1,4 @@
-//! Setting keys by their full names, for programs that change a design: studies, sensitivities, sweeps.
+//! Sets keys by their full names, for programs that change a design: studies, sensitivities, sweeps.
 
 use nailnoise_quantities::{Group, Kind, Value, positive};
 
@@ -7,7 +7,7 @@ use super::groups::Values;
 use super::renamed::current;
 use super::suggest;
 
-/// Why a key cannot be set. The values are then unchanged.
+/// Reason why a key cannot be set. The values are unchanged then.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SetError {
@@ -17,20 +17,20 @@ pub enum SetError {
     UnknownKey {
         /// The name given.
         key: String,
-        /// The key most like it, if one is near.
+        /// The most similar key, if one is close.
         nearest: Option<String>,
     },
-    /// The key takes another kind of value.
+    /// The key expects another kind of value.
     #[error("`{key}` cannot be {value:?}: it holds {expected}")]
     WrongKind {
         /// Full name of the key.
         key: String,
         /// The value given.
         value: Value,
-        /// The kind of value that the key takes.
+        /// The kind of value that the key expects.
         expected: &'static str,
     },
-    /// The value is outside the physical limits of every design.
+    /// The value is outside the physical limits that apply to every design.
     #[error("`{key}` = {value} must be {allowed}")]
     OutsideLimits {
         /// Full name of the key.
@@ -52,18 +52,19 @@ impl SetError {
 }
 
 impl Values {
-    /// Sets keys by their full names (`piston.mass`), quantities in SI units. A key given twice takes its last value.
+    /// Sets keys by their full names (`piston.mass`), quantities in SI units. If a key is given twice, its last value
+    /// counts.
     ///
-    /// `wood.species` and `nail.kind` change only as words: the settings of a name are read with a design file or an
+    /// For `wood.species` and `nail.kind`, only the name is set: its settings are read only from a design file or an
     /// assignment. Each value is checked against the limits of its key; [`conflict`](Self::conflict) checks whether the
     /// values are compatible.
     ///
-    /// A key of an earlier version is its successor.
+    /// A key of an earlier version stands for its successor.
     ///
-    /// A derived quantity that has a [`Solution`] is set last, by the primary quantity that follows from it.
+    /// A derived quantity with a [`Solution`] is set last, by solving for the primary quantity that follows from it.
     ///
     /// # Errors
-    /// [`SetError`] for the first key that cannot be set; nothing is changed then.
+    /// [`SetError`] for the first key that cannot be set; then nothing is changed.
     pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
         let changes: Vec<(&str, &Value)> = changes.iter().map(|(key, value)| (current(key), value)).collect();
         let solved = |key: &str| Solution::find(key);
@@ -82,7 +83,7 @@ impl Values {
         }
         let solutions = changes.iter().filter_map(|&(key, value)| Some((solved(key)?, value)));
         let before = solutions.clone().next().is_some().then(|| self.clone());
-        // Every change is of its key's kind, so that nothing but a follower can fail any more.
+        // Every change has the kind of its key, so that only a derived quantity can still fail.
         for &(key, value) in &changes {
             if let Some((_, place)) = self.key_mut(key) {
                 place.assign(value);
@@ -148,7 +149,7 @@ mod tests {
 
     use crate::design::{Design, another};
 
-    /// A = n pi d^2/4 with the holes' number that is set with it, in whichever order.
+    /// A = n pi d^2/4 uses the number of holes that is set with it, in either order.
     #[test]
     fn a_derived_quantity_that_is_set_is_the_one_that_follows() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");

@@ -1,4 +1,4 @@
-//! What one file says about one key: value, range, provenance and note, each with its place.
+//! The statements of one file about a key: value, range, provenance and note, each with its place.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -22,14 +22,14 @@ use super::suggest;
 use nailnoise_documents::Place;
 use nailnoise_documents::{found, found_value, nearest};
 
-/// What stands beside a key before gauge pressures are made absolute.
+/// A value as given, before gauge pressures are made absolute.
 #[derive(Debug, Clone)]
 pub(crate) enum Given {
     Quantity(Measured),
     Other(Value),
 }
 
-/// What one file says about one key.
+/// The statements of one file about a key.
 #[derive(Debug)]
 pub(crate) struct Setting {
     pub(crate) key: String,
@@ -55,7 +55,7 @@ impl Setting {
     }
 }
 
-/// What one file says about a derived quantity: a value that it must have all the same, or a range from which a study
+/// The statements of one file about a derived quantity: a value with which it must agree, or a range from which a study
 /// draws it.
 #[derive(Debug)]
 pub(crate) struct GivenDerived {
@@ -69,7 +69,7 @@ pub(crate) struct GivenDerived {
     pub(crate) follows: Option<(String, Box<Place>)>,
 }
 
-/// All that one file says.
+/// All statements of one file.
 #[derive(Debug, Default)]
 pub(crate) struct Layer {
     pub(crate) settings: Vec<Setting>,
@@ -77,7 +77,7 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// Reads the `table` of a `file` by the declaration `root`, apart from keys of its assembly.
+    /// Reads the `table` of a `file` by the declaration `root`, except the keys of its assembly.
     pub(crate) fn read(
         file: &File,
         table: &DeTable<'_>,
@@ -90,10 +90,10 @@ impl Layer {
     }
 }
 
-/// Members of a list that a design may have; every sensor keeps the signals of a whole shot.
+/// Maximum number of members in a list of a design; every sensor keeps the signals of a complete shot.
 const MOST_MEMBERS: usize = 250;
 
-/// Keys whose words are names, with the list that `nailnoise list` prints of them.
+/// Keys whose values are names, with the list in which `nailnoise list` prints them.
 const NAMED: &[(&str, &str)] = &[
     ("wood.species", "woods"),
     ("nail.kind", "nails"),
@@ -118,7 +118,7 @@ impl Reader<'_> {
             let name = key.get_ref().as_ref();
             let full = current(&dotted(path, name)).to_owned();
             let name = full.rsplit('.').next().unwrap_or(name);
-            // Read by others: none holds a quantity of the tool.
+            // Read elsewhere; none contains a quantity of the tool.
             if path.is_empty() && matches!(name, "base" | "study" | "report") {
                 continue;
             }
@@ -181,7 +181,7 @@ impl Reader<'_> {
 
     fn unknown(&self, full: String, spec: &GroupSpec, span: Range<usize>, value: &Spanned<DeValue<'_>>) -> DesignError {
         let at = self.file.place(span);
-        // A table may be a misspelt group or a misspelt key with range and provenance.
+        // A table may be a misspelt group, or a misspelt key with range and provenance.
         let inner = value.get_ref().as_table();
         if inner.is_some_and(|table| !table.contains_key("value")) {
             let nearest = suggest::group(self.root, &full);
@@ -279,7 +279,7 @@ impl Reader<'_> {
         Ok(setting)
     }
 
-    /// The keys of a group from a list with one value per key; a range may be such a list, too.
+    /// The keys of a group given as a list with one value per key; a range may be such a list, too.
     fn list(
         &self,
         group: &str,
@@ -308,8 +308,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The element at `place` of a list with `count` values that stands at `group`; a value that is no list is that of
-    /// every element.
+    /// The element at `place` of a list with `count` values given for `group`; a single value applies to every element.
     fn element<'t, 'i>(
         &self,
         group: &str,
@@ -340,14 +339,14 @@ fn gives_list(value: &Spanned<DeValue<'_>>) -> bool {
     }
 }
 
-/// Reads what stands beside one key.
+/// Reads the entries of one key.
 pub(super) struct Field<'a> {
     pub(super) file: &'a File,
     pub(super) key: &'a str,
 }
 
 impl Field<'_> {
-    /// Takes what stands beside the key under one name.
+    /// Takes the entry with one name.
     fn take(
         &self,
         setting: &mut Setting,
@@ -392,7 +391,7 @@ impl Field<'_> {
         let given = match (spec.kind, value.get_ref()) {
             (Kind::Quantity { dimension, gauge, .. }, _) => {
                 let measured = self.measured(value, dimension, gauge)?;
-                // A gauge pressure may be below zero; its limits are those of the absolute one.
+                // A gauge pressure may be negative; its limits are those of the absolute pressure.
                 if !measured.gauge && !spec.kind.allows(measured.si) {
                     return Err(outside());
                 }
@@ -468,7 +467,7 @@ impl Field<'_> {
                     .map_err(|error| self.quantity(error, text, dimension, value.span()));
             }
             DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
-            // Hexadecimal and its like are integers beyond doubt, and no way to write a quantity.
+            // Hexadecimal and similar integers are certainly integers, but not a way to write a quantity.
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().unwrap_or(f64::NAN),
             _ => {
                 let examples = dimension.examples();

@@ -1,4 +1,4 @@
-//! Numbers as a person reads them.
+//! Numbers in readable form.
 
 use std::fmt::{self, Display};
 
@@ -7,7 +7,7 @@ use nailnoise_quantities::dimension::LENGTH;
 
 use crate::wording::rounded;
 
-/// A number to six significant digits, without a tail of zeros.
+/// A number with six significant digits, without trailing zeros.
 pub(crate) struct Short(pub(crate) f64);
 
 impl Display for Short {

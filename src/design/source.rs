@@ -1,4 +1,4 @@
-//! Design files as text, and the chain of files that one inherits from.
+//! Design files as text, and the chain of files from which one inherits.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -11,17 +11,17 @@ use toml::de::{DeTable, DeValue};
 use super::error::{DesignError, Problem, Warning};
 use crate::shipped;
 
-/// The name of the command line in the places of errors and entries.
+/// Name of the command line as a place of errors and entries.
 pub(super) const COMMAND_LINE: &str = "command line";
 
-/// The largest design file that is read \[byte\].
+/// Maximum size of a design file \[byte\].
 const LARGEST: u64 = 4 << 20;
 
 /// The text of one design file.
 #[derive(Debug)]
 pub(crate) struct File {
     document: Document,
-    /// Whether it comes with the program and is not a file.
+    /// Whether it comes with the program instead of being read from a file.
     is_shipped: bool,
 }
 
@@ -33,7 +33,7 @@ impl File {
         }
     }
 
-    /// A design that comes with the program, by the name of its file.
+    /// The design with this file name that comes with the program.
     pub(crate) fn shipped(name: &str) -> Option<Self> {
         let (path, text) = shipped::design(name).filter(|_| name.ends_with(".toml"))?;
         let path = PathBuf::from(format!("{path} of nailnoise {}", env!("CARGO_PKG_VERSION")));
@@ -79,7 +79,7 @@ impl File {
         self.path() == Path::new(COMMAND_LINE)
     }
 
-    /// A file relative to the folder of this one.
+    /// A path relative to the folder of this file.
     pub(crate) fn beside(&self, name: &str) -> PathBuf {
         self.document.sibling(name)
     }
@@ -114,8 +114,8 @@ impl File {
         Some(self.base_path(&name))
     }
 
-    /// The base of this name: a file, or the design of this name that comes with the program, if no such file exists
-    /// and for the bases of such designs.
+    /// Reads the base with this name. If no such file exists, or for bases of shipped designs, it is the design with
+    /// this name that comes with the program.
     fn read_base(&self, name: &str, at: &Place) -> Result<Self, DesignError> {
         if self.is_shipped
             && let Some(base) = Self::shipped(shipped::file_name(name))
@@ -130,13 +130,13 @@ impl File {
         }
     }
 
-    /// This file and those it inherits from, the nearest first.
+    /// This file and those it inherits from, nearest first.
     pub(crate) fn chain(self) -> Result<Vec<Self>, DesignError> {
         let mut chain = vec![self];
         let mut seen: Vec<PathBuf> = chain.iter().map(|file| identity(file.path())).collect();
         while let Some((name, at)) = chain[chain.len() - 1].base()? {
             let base = &chain[chain.len() - 1];
-            // Before it is read: a loop is the nearer cause.
+            // Checked before the file is read, because a loop is the more direct cause.
             let own = identity(&base.base_path(&name));
             if !base.is_shipped
                 && let Some(first) = seen.iter().position(|other| *other == own)
@@ -153,7 +153,7 @@ impl File {
         Ok(chain)
     }
 
-    /// That a base was not found and is the one that comes with the program, if a file of a chain inherits from one.
+    /// Warning that a base was not found and the one that comes with the program is used.
     pub(crate) fn shipped_base(chain: &[Self]) -> Option<Warning> {
         let pair = chain
             .windows(2)
@@ -163,7 +163,7 @@ impl File {
     }
 }
 
-/// The path without `a/..`, if that names the same folder: `..` after a symbolic link may not.
+/// The path without `a/..`, if it refers to the same folder; `..` after a symbolic link may not.
 fn tidy(path: &Path) -> PathBuf {
     let mut tidy = PathBuf::new();
     for part in path.components() {
@@ -185,7 +185,7 @@ fn tidy(path: &Path) -> PathBuf {
     }
 }
 
-/// One name for one file, however its path is written.
+/// A unique name for a file, however its path is written.
 fn identity(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }

@@ -6,6 +6,7 @@
 //! require = "drives"                        # an outcome, or a list of them
 //! screening = 8                             # draws of `nailnoise run`
 //! default_range = "+-10 %"                  # of values without a range; "base" or "exact" otherwise
+//! draws = "calibrated.draws"                # joint draws of keys, in place of their ranges
 //! [study.alternatives]
 //! "support.worktable.preset" = { A = 0.5, B = 0.25, C = 0.25 }
 //! exhaust = [ { holes = 5, hole_diameter = "5.97 mm" }, { holes = 1, hole_diameter = "13.35 mm" } ]
@@ -19,6 +20,7 @@
 //! It changes no value of the design and no digest of it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nailnoise_dynamics::Outcome;
 use nailnoise_quantities::dimension::NUMBER;
@@ -29,6 +31,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::catalogue::Names;
 use super::error::{DesignError, Problem};
+use super::joint_draws::JointDraws;
 use super::range::{DefaultRange, GivenRange};
 use super::renamed::current;
 use super::settings::{Field, Given};
@@ -37,10 +40,10 @@ use super::suggest;
 use nailnoise_documents::Place;
 use nailnoise_documents::{found, found_value, nearest};
 
-/// Draws of a screening at most: more are a study.
+/// Maximum number of draws in a screening; more would be a study.
 const MOST_SCREENED: u32 = 8;
 
-/// Options of an alternative at most.
+/// Maximum number of options of an alternative.
 const MOST_OPTIONS: usize = 64;
 
 /// Names of the outcomes of a shot.
@@ -48,7 +51,7 @@ pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
     Outcome::ALL.into_iter().map(Outcome::name)
 }
 
-/// Names of the sources whose method's error a design may give: those of the program, in their order.
+/// Names of the sources for which a design may give the method's error, in the order of the program.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 
 /// Variables of a study in addition to the ranges of the design, and the definition of shots that count.
@@ -60,10 +63,13 @@ pub struct StudySettings {
     pub screening: u32,
     /// Choices between sets of values, by name.
     pub alternatives: BTreeMap<String, Vec<Alternative>>,
-    /// Bounds of the error of a source's method \[dB\], which replace the method's.
+    /// Bounds of the method's error for a source \[dB\], which replace the default.
     pub model: BTreeMap<&'static str, [f64; 2]>,
     /// Rank correlations between drawn quantities.
     pub correlations: Vec<Correlation>,
+    /// Joint draws of keys, which take the place of their ranges.
+    #[serde(skip)]
+    pub draws: Option<Arc<JointDraws>>,
 }
 
 /// One of several sets of values.
@@ -77,7 +83,7 @@ pub struct Alternative {
     pub values: Vec<(String, Value)>,
 }
 
-/// Quantities that are drawn with a common rank correlation.
+/// Quantities that are drawn with the same rank correlation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Correlation {
     /// Full names of the keys.
@@ -95,12 +101,13 @@ pub(crate) struct StudyLayer {
     require: Option<Vec<&'static str>>,
     screening: Option<u32>,
     default_range: Option<DefaultRange>,
+    draws: Option<Arc<JointDraws>>,
     alternatives: BTreeMap<String, Vec<DraftOption>>,
     model: BTreeMap<&'static str, [f64; 2]>,
     correlations: Option<Vec<Placed<Correlation>>>,
 }
 
-/// An option before gauge pressures are made absolute and weights probabilities.
+/// An option before gauge pressures are made absolute and weights are converted to probabilities.
 #[derive(Debug)]
 struct DraftOption {
     name: String,
@@ -109,7 +116,7 @@ struct DraftOption {
 }
 
 impl StudyLayer {
-    /// Reads `[study]` of a file, if there is one, by the declaration `root` of the design's keys.
+    /// Reads `[study]` of a file, if present, by the declaration `root` of the design's keys.
     pub(crate) fn of(file: &File, table: &DeTable<'_>, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
         let reader = Reader { file, root };
         table.get("study").map(|value| Self::read(&reader, value)).transpose()
@@ -122,6 +129,7 @@ impl StudyLayer {
                 "require" => layer.require = Some(reader.outcomes(value)?),
                 "screening" => layer.screening = Some(reader.screening(value)?),
                 "default_range" => layer.default_range = Some(reader.default_range(value)?),
+                "draws" => layer.draws = Some(reader.draws(value)?),
                 "alternatives" => {
                     for (key, value) in reader.table("study.alternatives", value)? {
                         let name = current(key.get_ref());
@@ -144,6 +152,7 @@ impl StudyLayer {
                         "require",
                         "screening",
                         "default_range",
+                        "draws",
                         "alternatives",
                         "model",
                         "correlation",
@@ -156,7 +165,7 @@ impl StudyLayer {
     }
 }
 
-/// The range of values without one, by the nearest of the files that states it.
+/// The default range of values without one, from the nearest file that states it.
 pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
     layers
         .iter()
@@ -165,8 +174,8 @@ pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
         .unwrap_or_default()
 }
 
-/// Joins the settings of the files, the nearest last. `names` are the names of its wood and nail, `ranged` tests
-/// whether a key has a range, and `ambient` is the reference of gauge pressures \[Pa\].
+/// Joins the settings of the files, nearest last. `names` are the names of wood and nail, `ranged` tests whether a key
+/// has a range, and `ambient` is the reference for gauge pressures \[Pa\].
 pub(crate) fn joined(
     layers: Vec<StudyLayer>,
     names: &Names,
@@ -183,6 +192,7 @@ pub(crate) fn joined(
             settings.require = require;
         }
         settings.screening = layer.screening.unwrap_or(settings.screening);
+        settings.draws = layer.draws.or(settings.draws);
         for (name, options) in layer.alternatives {
             let sum: f64 = options.iter().map(|option| option.weight).sum();
             let absolute = |(key, given)| match given {
@@ -297,6 +307,21 @@ impl Reader<'_> {
         }
     }
 
+    fn draws(&self, value: &Spanned<DeValue<'_>>) -> Result<Arc<JointDraws>, DesignError> {
+        let expected = "as the name of a file that `nailnoise calibrate` wrote, beside this design";
+        let name = value.get_ref().as_str();
+        let name = name.ok_or_else(|| self.wrong("study.draws", value, expected))?;
+        let read = JointDraws::read(&self.file.document().sibling(name));
+        read.map(Arc::new).map_err(|cause| {
+            Problem::WrongKind {
+                key: "study.draws".to_owned(),
+                found: format!("\"{name}\", which cannot be read ({cause})"),
+                expected: expected.to_owned(),
+            }
+            .at(self.file.place(value.span()))
+        })
+    }
+
     /// A positive number, or a number in (-1, 1).
     fn number(&self, key: &str, value: &Spanned<DeValue<'_>>, weight: bool) -> Result<f64, DesignError> {
         let number = match value.get_ref() {
@@ -329,7 +354,7 @@ impl Reader<'_> {
         ends.ok_or_else(|| self.wrong(&dotted("study.model", source), value, "as \"low .. high dB\""))
     }
 
-    /// The declaration of a key, or of a group, by its full name.
+    /// The declaration of a key or a group by its full name.
     fn find(&self, name: &str) -> Option<Result<&'static KeySpec, &'static GroupSpec>> {
         let mut group: &'static GroupSpec = self.root;
         let mut parts = name.split('.').peekable();
@@ -458,7 +483,8 @@ impl Reader<'_> {
                     _ => return Err(self.unknown("study.correlation", key, &["keys", "rank"])),
                 }
             }
-            // The copula's matrix with one correlation off its diagonal is positive definite above -1/(k - 1).
+            // The copula's matrix with the same correlation in all off-diagonal elements is positive definite above
+            // -1/(k - 1).
             let pearson = |rank: f64| 2.0 * (std::f64::consts::PI * rank / 6.0).sin();
             match rank {
                 Some(rank) if keys.len() >= 2 && 1.0 + (keys.len() - 1) as f64 * pearson(rank) > 0.0 => {

@@ -1,17 +1,17 @@
-//! The known name that is most like an unknown one.
+//! Finds the known name that is most similar to an unknown one.
 
 use nailnoise_documents::nearest as nearest_word;
 use nailnoise_quantities::{GroupSpec, dotted};
 
-/// The key most like `full`: the same name in another group, or a slip within the full name or only within its last
-/// part.
+/// The key most similar to `full`: the same name in another group, or a typing error in the full name or only in its
+/// last part.
 pub(crate) fn key(root: &'static GroupSpec, full: &str) -> Option<String> {
     let mut keys = Vec::new();
     root.each_key("", &mut |name, _| keys.push(name.to_owned()));
     nearest(&keys, full)
 }
 
-/// The group most like `full`.
+/// The group most similar to `full`.
 pub(crate) fn group(root: &'static GroupSpec, full: &str) -> Option<String> {
     let mut groups = Vec::new();
     collect(root, "", &mut groups);
@@ -35,7 +35,7 @@ fn nearest(names: &[String], full: &str) -> Option<String> {
     if let Some(same) = names.iter().find(|name| last(name) == own) {
         return Some(same.clone());
     }
-    // A slip only in the last part counts only within the same group, where it cannot mean anything else.
+    // A typing error in the last part counts only within the same group, where it is unambiguous.
     let group = full.strip_suffix(&own).unwrap_or("");
     let beside = names
         .iter()

@@ -1,7 +1,7 @@
-//! Labels on a line that must not touch.
+//! Positions of labels that must not touch.
 
-/// Rising positions, separated by a distance: the mean of pushing all to the right and all to the left, as both
-/// maintain the distance.
+/// Ascending positions with a minimum distance: the mean of shifting all labels to the right and all to the left, both
+/// of which keep the distance.
 pub(super) fn apart(wanted: &[i32], distance: i32, [low, high]: [i32; 2]) -> Vec<i32> {
     let pushed = |places: &mut dyn Iterator<Item = i32>| -> Vec<i32> {
         let mut last = i32::MIN / 2;

@@ -1,4 +1,4 @@
-//! Texts of the keys of a drawing: value in a usual unit, symbol, provenance.
+//! Texts for the keys of a drawing: value in a common unit, symbol, provenance.
 
 use std::collections::BTreeMap;
 
@@ -17,9 +17,9 @@ pub struct Label {
     pub symbol: &'static str,
     /// Value with its unit.
     pub value: String,
-    /// How sure it is.
+    /// Its reliability.
     pub standing: Standing,
-    /// Whether a base of the design gives the value, and not the design itself.
+    /// Whether the value comes from a base of the design instead of the design itself.
     pub inherited: bool,
     /// Meaning, value, range and source in one text, for a tooltip.
     pub title: String,
@@ -65,7 +65,7 @@ pub(super) fn labels(design: &Design) -> BTreeMap<String, Label> {
     entries.into_iter().map(label).collect()
 }
 
-/// A value with a usual unit.
+/// A value in a common unit.
 pub(super) fn text(value: &Value, unit: &str) -> String {
     let (number, factor, unit) = match value {
         Value::Number(number) => match unit {

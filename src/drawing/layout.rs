@@ -1,20 +1,20 @@
-//! Where the parts of the tool lie: heights over the tip of the nose and distances from the axis.
+//! Positions of the parts of the tool: heights above the tip of the nose and distances from the axis.
 //!
-//! Every length that has a key is the value of that key. Piston, bumper and the ring of the head valve have no key for
-//! their height. They fill the room that stroke and dead volumes leave in the cylinder sleeve, so that the dead volumes
-//! V_01 and V_02 are to scale if the sleeve has room for them.
+//! Every length that has a key has the value of that key. Piston, bumper and the ring of the head valve have no key for
+//! their height. They fill the space that the stroke and the dead volumes leave in the cylinder sleeve, so that the
+//! dead volumes V_01 and V_02 are to scale if the sleeve has room for them.
 
 use std::f64::consts::PI;
 
 use crate::design::Values;
 
-/// Round holes as which an area of check-ring or return holes is drawn, evenly around the cylinder.
+/// Number of round holes in which an area of check-ring or return holes is drawn, evenly spaced around the cylinder.
 pub const HOLES: f64 = 8.0;
 
-/// Least room in the sleeve for piston, bumper and dead volumes \[m\].
+/// Minimum space in the sleeve for piston, bumper and dead volumes \[m\].
 const LEAST_ROOM: f64 = 12e-3;
 
-/// Heights z over the tip of the nose and distances from the axis \[m\].
+/// Heights z above the tip of the nose and distances from the axis \[m\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// Upper side of the barrel's floor.
@@ -29,13 +29,13 @@ pub struct Layout {
     pub bore: f64,
     /// Inner and outer radius of the barrel.
     pub barrel: [f64; 2],
-    /// Upper and lower side of the piston on its upper stopper.
+    /// Upper and lower side of the piston at its upper stop.
     pub piston: [f64; 2],
     /// Upper side of the bumper.
     pub bumper: f64,
     /// Outer radius of the bumper: the space around it has the volume V_02.
     pub bumper_radius: f64,
-    /// Tip of the rod with the piston on its upper stopper.
+    /// Tip of the rod with the piston at its upper stop.
     pub rod_tip: f64,
     /// Diameter of one check-ring hole of [`HOLES`], and height of its upper edge.
     pub check_hole: [f64; 2],
@@ -45,7 +45,7 @@ pub struct Layout {
     pub valve: ValveLayout,
     /// Right end of the handle.
     pub handle_end: f64,
-    /// Radius of the hole of the hose's fitting, of the area A_sup.
+    /// Radius of the hole of the hose fitting, with the area A_sup.
     pub hose: f64,
     /// Height of the axis of the exhaust hole that the section shows.
     pub exhaust: f64,
@@ -53,10 +53,10 @@ pub struct Layout {
     pub channel: [[f64; 2]; 3],
 }
 
-/// The head valve on its seat: heights over the seat and distances from the axis \[m\].
+/// The head valve on its seat: heights above the seat and distances from the axis \[m\].
 ///
-/// A ring slides on the tube of the exhaust. A skirt outside the seat overlaps the cylinder by the intake's lap. Its
-/// lower lip closes on a plug below the tube when the ring has risen by the exhaust's lap.
+/// A ring slides on the exhaust tube. A skirt outside the seat overlaps the cylinder by the intake's lap. Its lower lip
+/// closes on a plug below the tube when the ring has risen by the exhaust's lap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValveLayout {
     /// Inner, seat and outer radius of the ring.
@@ -83,7 +83,7 @@ pub struct ValveLayout {
     pub stop: f64,
     /// Lower end of the cylinder around the ring.
     pub guide: f64,
-    /// Radius of the supply's space around the ring, and its lower end.
+    /// Radius of the supply space around the ring, and its lower end.
     pub jacket: [f64; 2],
     /// Height of the collar of the cylinder within the skirt.
     pub collar: f64,
@@ -143,7 +143,7 @@ impl Layout {
         let roof = b.nose_height + b.barrel_height;
         let outer = b.barrel_radius(bore);
         let barrel = [outer - b.barrel_wall, outer];
-        // Room for piston, bumper and dead volumes. Where the stroke leaves none, the piston goes through the floor.
+        // Room for piston, bumper and dead volumes. If the stroke leaves none, the piston is drawn through the floor.
         let room = (b.sleeve_height - v.piston.stroke).max(LEAST_ROOM);
         let above = (v.chambers.above_piston / v.piston.area()).min(0.35 * room);
         let thickness = (0.45 * (room - above)).clamp(3e-3, 25e-3);
@@ -154,8 +154,8 @@ impl Layout {
         let hole = |area: f64| (4.0 * area / (PI * HOLES)).sqrt();
         let valve = ValveLayout::new(v, barrel, roof - b.barrel_wall - seat);
         let handle_end = outer - 4e-3 + b.handle_length;
-        // The channel runs from above the ring to the trigger valve below the handle, and is as long as its key where
-        // that leaves the trigger valve on the handle.
+        // The channel runs from above the ring to the trigger valve below the handle. It has the length of its key if
+        // the trigger valve is then on the handle.
         let start = [0.5 * (valve.inner + valve.outer), seat + valve.stop];
         let level = (b.handle_level + b.handle_radius - 0.5 * b.handle_wall).max(start[1] + 1e-3);
         let valve_level = b.handle_level - b.handle_radius;

@@ -5,13 +5,13 @@ use super::layout::Layout;
 use super::shape::{Chamber, Line, LineStyle, Material, Outline, Part, Point, mirrored, rectangle};
 use crate::design::{FittingKind, MufflerKind, Values};
 
-/// Both sides of a section.
+/// A polygon and its mirror image, for both sides of a section.
 fn both(polygon: Vec<Point>) -> Vec<Vec<Point>> {
     let left = mirrored(&polygon);
     vec![left, polygon]
 }
 
-/// All parts of the section in the order in which they are painted.
+/// All parts of the section in painting order.
 pub(super) fn parts(v: &Values, l: &Layout) -> Vec<Part> {
     let mut parts = magazine(v);
     parts.extend(gas(v, l));
@@ -49,7 +49,7 @@ pub(super) fn magazine(v: &Values) -> Vec<Part> {
     ]
 }
 
-/// The gas volumes; parts are painted over them.
+/// The gas volumes; the parts are painted over them.
 fn gas(v: &Values, l: &Layout) -> Vec<Part> {
     let (b, s) = (&v.body, &l.valve);
     let volume = |name, chamber, polygons| Part::new(name, Material::Gas(chamber), polygons);
@@ -111,7 +111,7 @@ fn gas(v: &Values, l: &Layout) -> Vec<Part> {
     ]
 }
 
-/// Heights of the opening from the handle to the space around the head valve; none where they do not meet.
+/// Heights of the opening from the handle to the space around the head valve; `None` if the two do not meet.
 pub(super) fn port(v: &Values, l: &Layout) -> Option<[f64; 2]> {
     let b = &v.body;
     let inner = b.handle_radius - b.handle_wall;
@@ -120,13 +120,14 @@ pub(super) fn port(v: &Values, l: &Layout) -> Option<[f64; 2]> {
     (high - low > 1e-3).then_some([low, high])
 }
 
-/// Barrel with the exhaust tube and the cylinder of the head valve, cap, handle.
+/// Barrel with the exhaust tube and the cylinder of the head valve, cap and handle.
 fn housing(v: &Values, l: &Layout) -> Vec<Part> {
     let (b, s) = (&v.body, &l.valve);
     let (at, foot) = (|height: f64| l.seat + height, b.nose_height);
     let guide = 0.5 * v.piston.rod_diameter + 0.3e-3;
     let under = l.roof - b.barrel_wall;
-    // From the bore of the exhaust tube around its end, the volume above the ring and the supply's space to the floor.
+    // From the bore of the exhaust tube around its end and along the volume above the ring and the supply space to the
+    // floor.
     let inside = vec![
         [s.tube_bore, l.roof],
         [s.tube_bore, at(s.tube)],
@@ -201,7 +202,7 @@ fn housing(v: &Values, l: &Layout) -> Vec<Part> {
     ]
 }
 
-/// Sleeve with its holes, bumper, piston, rod.
+/// Sleeve with its holes, bumper, piston and rod.
 fn cylinder(v: &Values, l: &Layout) -> Vec<Part> {
     let (b, s) = (&v.body, &l.valve);
     let [inner, outer] = [l.bore, l.bore + b.sleeve_wall];
@@ -278,7 +279,7 @@ fn head_valve(v: &Values, l: &Layout) -> Vec<Part> {
         at(s.seat, -v.head_valve.intake_lap),
         at(s.seat, 0.0),
     ];
-    // The cone of the plug below the edge that seals, at the seat angle from the axis.
+    // Cone of the plug below the sealing edge, at the seat angle to the axis.
     let depth_of_cone = 0.09 * s.height;
     let cone = (depth_of_cone * v.head_valve.exhaust_angle.tan()).min(0.6 * s.plug);
     let plug = vec![
@@ -327,15 +328,15 @@ fn head_valve(v: &Values, l: &Layout) -> Vec<Part> {
     ]
 }
 
-/// Right end of what is fitted behind the exhaust holes: the side of the cap.
+/// Left end of parts fitted outside the exhaust holes: the side of the cap.
 fn outlet(v: &Values) -> f64 {
     -v.body.cap_radius
 }
 
-/// Wall of fittings and mufflers \[m\]; schematic.
+/// Wall thickness of fittings and mufflers \[m\]; schematic.
 const FITTED_WALL: f64 = 2e-3;
 
-/// A pipe fitting or a muffler behind the exhaust holes.
+/// A pipe fitting or a muffler outside the exhaust holes.
 fn exhaust(v: &Values, l: &Layout) -> Vec<Part> {
     let (start, z) = (outlet(v), l.exhaust);
     let walls = |[from, to]: [f64; 2], diameter: f64| {
@@ -379,7 +380,7 @@ fn exhaust(v: &Values, l: &Layout) -> Vec<Part> {
     parts
 }
 
-/// The trigger valve below the handle, with its vent as a round hole of its area.
+/// The trigger valve below the handle, with its vent drawn as a round hole of the same area.
 fn trigger(v: &Values, l: &Layout) -> Vec<Part> {
     let [.., [x, z]] = l.channel;
     let half = (0.7 * v.trigger.channel_diameter).max(5e-3);
@@ -403,7 +404,7 @@ fn trigger(v: &Values, l: &Layout) -> Vec<Part> {
     ]
 }
 
-/// Nose, guard, and the waiting nail.
+/// Nose, guard, and the nail before the shot.
 fn nose_and_nail(v: &Values) -> Vec<Part> {
     let (b, nail) = (&v.body, &v.nail);
     let half = 0.5 * b.nose_width;
@@ -436,7 +437,7 @@ pub(super) fn guard_top(v: &Values) -> f64 {
     v.contacts.guard_travel + 12e-3
 }
 
-/// The axis, and the other end of the movement of piston and rod.
+/// The axis, and the opposite end of the movement of piston and rod.
 pub(super) fn lines(v: &Values, l: &Layout, bottom: f64) -> Vec<Line> {
     let rod = 0.5 * v.piston.rod_diameter;
     let [upper, lower] = l.piston.map(|level| level - v.piston.stroke);

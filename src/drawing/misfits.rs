@@ -1,7 +1,7 @@
-//! Lengths and volumes of a design that do not fit into each other as drawn.
+//! Lengths and volumes of a design that are inconsistent in the drawing.
 //!
-//! The nailing cycle and the vibrating housing use different keys. A run needs no agreement between them, but a tool
-//! that was measured has it: a misfit shows a wrong key, or a housing that is still that of another tool.
+//! The nailing cycle and the vibrating housing use different keys. A run does not need them to agree, but they do in a
+//! real tool: a misfit reveals a wrong key, or a housing that still belongs to another tool.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use super::layout::Layout;
 use crate::design::Values;
 use crate::wording::rounded;
 
-/// Keys that do not fit together.
+/// Keys that are inconsistent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Misfit {
     /// The keys.
     pub keys: Vec<&'static str>,
-    /// What does not fit, with the figures.
+    /// Description of the misfit, with numbers.
     pub text: String,
 }
 

@@ -1,14 +1,15 @@
-//! The drawing of a tool: a section at the design's own dimensions, with every key at the length that it means.
+//! The drawing of a tool: a section with the design's dimensions, with every key at the length that it gives.
 //!
-//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and without any notion of a
-//! page. [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design
-//! has no key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
+//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and independent of any page.
+//! [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design has no
+//! key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
 
 mod apart;
 mod label;
 pub mod layout;
 mod mechanism;
 mod misfits;
+mod network;
 mod quantity_views;
 mod shape;
 mod sheet;
@@ -24,6 +25,7 @@ use std::collections::BTreeMap;
 pub use label::Label;
 use layout::Layout;
 pub use misfits::Misfit;
+pub(crate) use network::svg as network;
 pub(crate) use shape::rectangle;
 pub use shape::{
     Annotation, Bounds, Chamber, Line, LineStyle, Mark, Material, Outline, Part, Point, Side, View, corners,
@@ -34,7 +36,7 @@ pub use surroundings::housing_parts;
 
 use crate::design::Design;
 
-/// Style of the drawing, in a file of its own and on a page.
+/// Style of the drawing, both in its own file and on a page.
 pub(crate) const STYLE: &str = include_str!("style.css");
 
 /// A drawing of a design.
@@ -42,11 +44,11 @@ pub(crate) const STYLE: &str = include_str!("style.css");
 pub struct Drawing {
     /// Name of the design.
     pub name: String,
-    /// The views, the section first.
+    /// The views, with the section first.
     pub views: Vec<View>,
     /// The texts of all keys of the design.
     pub labels: BTreeMap<String, Label>,
-    /// Keys that do not fit into each other as drawn.
+    /// Keys that are inconsistent in the drawing.
     pub misfits: Vec<Misfit>,
 }
 
@@ -70,7 +72,7 @@ impl Drawing {
         }
     }
 
-    /// The labels of the keys that the views show, once each, in the order of the views.
+    /// The labels of the keys that the views show, each once, in the order of the views.
     pub fn shown(&self) -> Vec<&Label> {
         let mut shown: Vec<&Label> = Vec::new();
         for annotation in self.views.iter().flat_map(|view| &view.annotations) {
@@ -83,12 +85,12 @@ impl Drawing {
         shown
     }
 
-    /// Whether a base gives a value that is shown.
+    /// Whether a value shown comes from a base.
     pub fn is_based(&self) -> bool {
         self.shown().iter().any(|label| label.inherited)
     }
 
-    /// The views placed on sheets, one each.
+    /// The views, each placed on a sheet.
     pub fn sheets(&self) -> Vec<Sheet<'_>> {
         self.views.iter().map(|view| Sheet::new(view, &self.labels)).collect()
     }

@@ -6,10 +6,10 @@ use crate::design::{Value, Values};
 
 use Side::{Left, Right};
 
-/// Exhaust holes that are drawn at most.
+/// Maximum number of exhaust holes drawn.
 const MOST_HOLES: u32 = 200;
 
-/// The gas volumes and the volume that the piston sweeps, as cubes of the same volume.
+/// The gas volumes and the displacement of the piston, drawn as cubes of the same volume.
 pub(super) fn volumes(v: &Values) -> View {
     let c = &v.chambers;
     let swept = v.piston.area() * v.piston.stroke;
@@ -91,7 +91,7 @@ pub(super) fn volumes(v: &Values) -> View {
     }
 }
 
-/// The exhaust holes seen from outside, in rows, each as far from its neighbours as their pitch.
+/// The exhaust holes seen from outside, in rows, with their pitch as the distance of adjacent holes.
 pub(super) fn holes(v: &Values) -> View {
     let (exhaust, drawn) = (&v.exhaust, v.exhaust.holes.min(MOST_HOLES));
     let columns = (f64::from(drawn) * 2.0).sqrt().ceil().max(f64::from(drawn.min(6))) as u32;

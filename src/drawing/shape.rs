@@ -1,9 +1,8 @@
 //! The contents of a drawing: parts with a material, lines, and annotations that show the length of a key.
 //!
-//! Coordinates are in metres in the plane of a view: x to the right, z up. Shapes do not depend on how they are
-//! rendered.
+//! Coordinates are in metres in the plane of a view: x to the right, z upwards. Shapes are independent of the renderer.
 
-/// A point of a view, x and z \[m\].
+/// Coordinates x and z of a point in a view \[m\].
 pub type Point = [f64; 2];
 
 /// A closed outline.
@@ -20,12 +19,12 @@ pub enum Outline {
     },
 }
 
-/// What a part is made of, which decides its hatching.
+/// Material of a part, which determines its hatching.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Material {
     /// Cut light alloy of the housing.
     Housing,
-    /// Cut light alloy of cylinder, piston and head valve; hatched the other way.
+    /// Cut light alloy of cylinder, piston and head valve; hatched in the opposite direction.
     Mechanism,
     /// Cut steel.
     Steel,
@@ -35,7 +34,7 @@ pub enum Material {
     Rubber,
     /// Wood, cut along the grain.
     Wood,
-    /// A board on the wood, and the plywood of a table.
+    /// A board on the wood, or the plywood of a table.
     Plywood,
     /// Sand.
     Sand,
@@ -64,19 +63,19 @@ pub enum Chamber {
     Plenum,
 }
 
-/// A part of a view: the area within its outlines, an outline within another one being a hole.
+/// A part of a view: the area within its outlines; an outline inside another is a hole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// Name for readers.
+    /// Name for screen readers.
     pub name: &'static str,
-    /// What it is made of.
+    /// Its material.
     pub material: Material,
     /// Its outlines.
     pub outlines: Vec<Outline>,
 }
 
 impl Part {
-    /// A part within polygons.
+    /// A part bounded by polygons.
     pub(crate) fn new(name: &'static str, material: Material, polygons: Vec<Vec<Point>>) -> Self {
         Self {
             name,
@@ -86,10 +85,10 @@ impl Part {
     }
 
     /// Volume of the solid of revolution about x = 0 \[m3\], if half of the part lies on each side: 2 pi times the
-    /// first moment of the half with x > 0 (Pappus). Circles are left out.
+    /// first moment of the half with x > 0 (Pappus). Circles are ignored.
     pub fn volume_of_revolution(&self) -> f64 {
         let moment = |polygon: &Vec<Point>| {
-            // First moment of area about x = 0, of |x|: each side of the axis contributes, hence the half.
+            // First moment of area of |x| about x = 0; both sides of the axis contribute, hence the factor of one half.
             let right: Vec<Point> = clip_right(polygon);
             let edges = right.iter().zip(right.iter().cycle().skip(1));
             edges
@@ -105,7 +104,7 @@ impl Part {
                 Outline::Circle { .. } => None,
             })
             .collect();
-        // The outermost outline first, its holes behind.
+        // Outermost outline first, then its holes.
         moments.sort_by(|a, b| b.total_cmp(a));
         let holes: f64 = moments.iter().skip(1).sum();
         std::f64::consts::TAU * (moments.first().copied().unwrap_or(0.0) - holes)
@@ -130,24 +129,24 @@ fn clip_right(polygon: &[Point]) -> Vec<Point> {
 /// A line that belongs to no outline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// How it is drawn.
+    /// Its style.
     pub style: LineStyle,
     /// Its points.
     pub points: Vec<Point>,
 }
 
-/// Kinds of lines of ISO 128-2.
+/// Line types of ISO 128-2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineStyle {
     /// Axis: long-dashed dotted.
     Centre,
-    /// Other end of a movement: long-dashed double-dotted.
+    /// Opposite end of a movement: long-dashed double-dotted.
     Phantom,
-    /// Hidden behind what is drawn, or a schematic route: dashed.
+    /// Edge hidden behind a part, or a schematic route: dashed.
     Hidden,
     /// Visible edge.
     Edge,
-    /// Where a part is broken off.
+    /// Break line of a part.
     Break,
 }
 
@@ -156,13 +155,13 @@ pub enum LineStyle {
 pub enum Mark {
     /// A dimension line with an arrow at each end.
     Span([Point; 2]),
-    /// A dimension line of which the first end is outside the view: an arrow at the second end.
+    /// A dimension line whose first end is outside the view, with an arrow at the second end.
     HalfSpan([Point; 2]),
     /// An extension line.
     Extension([Point; 2]),
-    /// A dot on what is meant.
+    /// A dot on the item.
     Dot(Point),
-    /// The area that is meant.
+    /// The area to highlight.
     Area(Vec<Point>),
     /// A path along which the length is measured.
     Path(Vec<Point>),
@@ -177,14 +176,14 @@ pub enum Side {
     Right,
 }
 
-/// A key of the design at its place.
+/// A key of the design at its place in the view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Annotation {
     /// Full name of the key.
     pub key: &'static str,
     /// Its marks.
     pub marks: Vec<Mark>,
-    /// Where the leader line to its label begins.
+    /// Start of the leader line to its label.
     pub anchor: Point,
     /// Column of its label.
     pub side: Side,
@@ -200,18 +199,18 @@ impl Annotation {
         }
     }
 
-    /// A dot on what the key is of.
+    /// A dot on the item to which the key belongs.
     pub(crate) fn dot(key: &'static str, side: Side, at: Point) -> Self {
         Self::new(key, side, at, vec![Mark::Dot(at)])
     }
 
-    /// A dot in an area, which is highlighted with it.
+    /// A dot in an area that is highlighted together with it.
     pub(super) fn area(key: &'static str, side: Side, at: Point, area: Vec<Point>) -> Self {
         Self::new(key, side, at, vec![Mark::Area(area), Mark::Dot(at)])
     }
 
-    /// A horizontal dimension line at the height z between two abscissas, and extension lines from the heights where
-    /// they are measured.
+    /// A horizontal dimension line at the height z between two abscissas, with extension lines from the measured
+    /// heights `from`.
     pub(crate) fn across(key: &'static str, side: Side, [a, b]: [f64; 2], z: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[a, z], [b, z]]),
@@ -222,8 +221,8 @@ impl Annotation {
         Self::new(key, side, [end, z], marks)
     }
 
-    /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where
-    /// they are measured.
+    /// A vertical dimension line at the abscissa x between two heights, with extension lines from the measured
+    /// abscissas `from`.
     pub(crate) fn upright(key: &'static str, side: Side, [a, b]: [f64; 2], x: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[x, a], [x, b]]),
@@ -233,7 +232,7 @@ impl Annotation {
         Self::new(key, side, [x, 0.5 * (a + b)], marks)
     }
 
-    /// A diameter in a view that does not show the axis: the dimension line comes from the abscissa `left`.
+    /// A diameter in a view that does not show the axis: the dimension line starts at the abscissa `left`.
     pub(super) fn diameter(key: &'static str, side: Side, left: f64, radius: f64, z: f64, from: f64) -> Self {
         let marks = vec![
             Mark::HalfSpan([[left, z], [radius, z]]),
@@ -243,7 +242,7 @@ impl Annotation {
         Self::new(key, side, anchor, marks)
     }
 
-    /// A path along which the key is measured.
+    /// A path along which the length of the key is measured.
     pub(super) fn path(key: &'static str, side: Side, at: Point, path: Vec<Point>) -> Self {
         Self::new(key, side, at, vec![Mark::Path(path)])
     }
@@ -259,7 +258,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The smallest rectangle around points; none without points.
+    /// The smallest rectangle that contains all points; `None` without points.
     pub fn of(points: impl IntoIterator<Item = Point>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, [x, z]| {
             let Some(Self { low, high }) = bounds else {
@@ -280,7 +279,7 @@ impl Bounds {
         [self.high[0] - self.low[0], self.high[1] - self.low[1]]
     }
 
-    /// Whether a point is within the rectangle, up to a rounding.
+    /// Whether a point is inside the rectangle, apart from rounding.
     pub fn contains(&self, [x, z]: Point) -> bool {
         let slack = 1e-9;
         (self.low[0] - slack..=self.high[0] + slack).contains(&x)
@@ -294,10 +293,10 @@ impl Bounds {
     }
 }
 
-/// A view: parts in the order in which they are painted, lines, and the annotations of keys.
+/// A view: parts in painting order, lines, and the annotations of keys.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Short name, part of identifiers.
+    /// Short name, used in identifiers.
     pub name: &'static str,
     /// Heading.
     pub title: String,
@@ -309,12 +308,12 @@ pub struct View {
     pub annotations: Vec<Annotation>,
     /// The rectangle that a detail shows; without one, the view shows everything.
     pub window: Option<Bounds>,
-    /// Letters of details with their windows in this view.
+    /// Letters of details, with their windows in this view.
     pub details: Vec<(&'static str, Bounds)>,
 }
 
 impl View {
-    /// What the view shows.
+    /// The rectangle that the view shows.
     pub fn bounds(&self) -> Bounds {
         self.window.unwrap_or_else(|| {
             let parts = self.parts.iter().flat_map(|part| &part.outlines).flat_map(corners);
@@ -345,7 +344,7 @@ impl Mark {
     }
 }
 
-/// Corners of an outline; of a circle, those of the square around it.
+/// Corners of an outline; for a circle, those of the enclosing square.
 pub fn corners(outline: &Outline) -> Vec<Point> {
     match outline {
         Outline::Polygon(points) => points.clone(),

@@ -1,6 +1,6 @@
-//! Where a view and its labels are on a sheet: the scale, and the labels in two columns with leader lines.
+//! Arrangement of a view and its labels on a sheet: the scale, and labels in two columns with leader lines.
 //!
-//! Coordinates are in units of the sheet, a fifth of a millimetre of paper, x to the right and y down.
+//! Coordinates are in sheet units of one fifth of a millimetre on paper, x to the right and y down.
 
 use std::collections::BTreeMap;
 
@@ -8,34 +8,34 @@ use super::apart::apart;
 use super::label::Label;
 use super::shape::{Annotation, Point, Side, View};
 
-/// Units in a millimetre of paper.
+/// Units per millimetre of paper.
 pub(super) const MM: f64 = 5.0;
-/// Width of a sheet: 180 mm, the text of a page.
+/// Width of a sheet: 180 mm, the text width of a page.
 pub(super) const WIDTH: f64 = 180.0 * MM;
-/// Tallest picture.
+/// Maximum height of the picture.
 const TALLEST: f64 = 700.0;
-/// Height of the heading, of the foot with the scale bar.
+/// Height of the heading, and of the foot with the scale bar.
 const HEADING: f64 = 34.0;
 const FOOT: f64 = 44.0;
-/// Margin around the sheet and the gap between a label and the picture, in which leader lines spread.
+/// Margin around the sheet, and width of the gap between labels and picture in which the leader lines run.
 pub(super) const MARGIN: f64 = 8.0;
 const GAP: f64 = 34.0;
-/// Size of the type of keys and values, and height of a label of two lines.
+/// Font size of keys and values, and height of a label with two lines.
 pub(super) const KEY_TYPE: f64 = 10.5;
 pub(super) const VALUE_TYPE: f64 = 12.0;
 const LABEL: f64 = 27.0;
-/// Distance of the middles of labels.
+/// Distance between the centres of adjacent labels.
 const SPACING: i32 = 31;
-/// Length of a leader line next to its label, where it is level.
+/// Length of the horizontal end of a leader line at its label.
 const KNEE: f64 = 12.0;
-/// Room for the symbol of the provenance next to a label.
+/// Space for the provenance symbol next to a label.
 const SYMBOL: f64 = 14.0;
-/// Widest character of the two types as a share of their size: monospaced type has 0.60, sans serif type less in the
-/// mean.
+/// Maximum width of a character of the two fonts relative to the font size: monospaced fonts have 0.60, sans serif
+/// fonts less on average.
 const MONO: f64 = 0.62;
 const SANS: f64 = 0.64;
 
-/// Scales of technical drawings (ISO 5455, with the customary 1:2.5 and 1:4): steps in a decade.
+/// Scales of technical drawings (ISO 5455, with the common 1:2.5 and 1:4): steps in a decade.
 const STEPS: [f64; 5] = [1.0, 2.0, 2.5, 4.0, 5.0];
 
 /// A rectangle on the sheet.
@@ -48,13 +48,13 @@ pub struct Rectangle {
 }
 
 impl Rectangle {
-    /// Whether two rectangles have an area in common.
+    /// Whether two rectangles overlap.
     pub fn overlaps(&self, other: &Self) -> bool {
         let along = |a: [f64; 2], b: [f64; 2]| a[0] < b[1] && b[0] < a[1];
         along(self.x, other.x) && along(self.y, other.y)
     }
 
-    /// Whether another rectangle is within this one, up to a rounding.
+    /// Whether another rectangle is inside this one, apart from rounding.
     pub fn contains(&self, other: &Self) -> bool {
         let slack = 1e-6;
         let within = |a: [f64; 2], b: [f64; 2]| a[0] <= b[0] + slack && b[1] <= a[1] + slack;
@@ -73,7 +73,7 @@ pub struct Placed<'a> {
     pub area: Rectangle,
     /// Where the leader line ends.
     pub port: Point,
-    /// Where the leader line bends: between this point and the anchor it is straight.
+    /// Where the leader line bends: it is straight between this point and the anchor.
     pub knee: Point,
 }
 
@@ -84,7 +84,7 @@ pub struct Sheet<'a> {
     pub view: &'a View,
     /// Size of the sheet.
     pub size: [f64; 2],
-    /// Size on paper over size of the tool.
+    /// Length on paper divided by length of the tool.
     pub scale: f64,
     /// The rectangle of the view.
     pub picture: Rectangle,
@@ -92,12 +92,12 @@ pub struct Sheet<'a> {
     pub labels: Vec<Placed<'a>>,
 }
 
-/// Width of a text of so many characters.
+/// Width of a text.
 fn width(text: &str, size: f64, share: f64) -> f64 {
     text.chars().count() as f64 * size * share
 }
 
-/// Longest symbol in front of a value: some keys have a formula as their symbol.
+/// Maximum length of the symbol in front of a value; some keys have a formula as their symbol.
 const LONGEST_SYMBOL: usize = 8;
 
 /// The second line of a label.
@@ -117,7 +117,7 @@ fn label_width(label: &Label) -> f64 {
     lines[0].max(lines[1]) + SYMBOL
 }
 
-/// The largest standard scale at which a size \[m\] fits into a room in units of the sheet.
+/// The largest standard scale at which a size \[m\] fits into `room`, in sheet units.
 fn standard_scale(size: [f64; 2], room: [f64; 2]) -> f64 {
     let most = [0, 1]
         .map(|axis| room[axis] / (size[axis].max(1e-6) * 1e3 * MM))
@@ -130,7 +130,7 @@ fn standard_scale(size: [f64; 2], room: [f64; 2]) -> f64 {
 }
 
 impl<'a> Sheet<'a> {
-    /// Places a view and the labels of its annotations. A key without a label is left out.
+    /// Places a view and the labels of its annotations. Keys without a label are omitted.
     pub(super) fn new(view: &'a View, labels: &'a BTreeMap<String, Label>) -> Self {
         let known: Vec<(&Annotation, &Label)> = view
             .annotations
@@ -173,7 +173,7 @@ impl<'a> Sheet<'a> {
         sheet
     }
 
-    /// A point of the view on the sheet.
+    /// Position of a point of the view on the sheet.
     pub fn at(&self, [x, z]: Point) -> Point {
         let bounds = self.view.bounds();
         let units = self.scale * 1e3 * MM;
@@ -183,7 +183,7 @@ impl<'a> Sheet<'a> {
         ]
     }
 
-    /// The scale in words, as "1 : 4".
+    /// The scale as text, such as "1 : 4".
     pub fn scale_words(&self) -> String {
         let number = |value: f64| crate::wording::rounded(value, 3, 1e9);
         if self.scale >= 1.0 {
@@ -193,7 +193,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Labels of a column, in the order of their anchors, as far apart as they need to be.
+    /// Labels of a column in the order of their anchors, at the required distance.
     fn column(
         &self,
         column: &[(&'a Annotation, &'a Label)],
@@ -238,14 +238,13 @@ impl<'a> Sheet<'a> {
             .collect()
     }
 
-    /// Exchanges labels as long as that shortens the leader lines: straight lines of the least total length do not
-    /// cross.
+    /// Swaps labels as long as this shortens the leader lines: straight lines of minimum total length do not cross.
     fn uncross(&self, column: &mut [(&'a Annotation, &'a Label)], knees: &[Point]) {
         let length = |annotation: &Annotation, [x, y]: Point| {
             let [u, v] = self.at(annotation.anchor);
             (u - x).hypot(v - y)
         };
-        // Each exchange shortens the total by more than a rounding, so that this ends.
+        // The loop ends because each swap shortens the total by more than rounding.
         let mut improved = true;
         while improved {
             improved = false;

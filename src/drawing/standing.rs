@@ -1,13 +1,13 @@
-//! How sure a value is, as a drawing shows it.
+//! Reliability of a value, as shown in a drawing.
 
 use crate::design::Entry;
 
 /// Classes of provenance that a drawing distinguishes, in the order of its legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Standing {
-    /// Given by the design without more, or measured.
+    /// Given by the design without further information, or measured.
     Given,
-    /// Printed in a publication.
+    /// Published.
     Published,
     /// Computed from other values.
     Computed,
@@ -30,8 +30,8 @@ impl Standing {
         Self::Decided,
     ];
 
-    /// The class of a value, by the word of its provenance and, where that says no more than "estimated", by its
-    /// source: a value that was scaled from another tool says so there.
+    /// The class of a value, from the word of its provenance; if that is only "estimated", also from its source, which
+    /// says whether the value was scaled from another tool.
     pub fn of(entry: &Entry) -> Self {
         match entry.provenance.as_str() {
             "published" => Self::Published,
@@ -56,7 +56,7 @@ impl Standing {
         }
     }
 
-    /// Words of the legend.
+    /// Text in the legend.
     pub fn words(self) -> &'static str {
         match self {
             Self::Given => "given by the design",
@@ -68,8 +68,8 @@ impl Standing {
         }
     }
 
-    /// The symbol in front of a value, as the path of an SVG of 8 by 8 units about the origin: classes differ in shape
-    /// as well as in colour.
+    /// The symbol in front of a value, as an SVG path of 8 by 8 units about the origin; classes differ in shape as well
+    /// as in colour.
     pub(super) fn symbol(self) -> &'static str {
         match self {
             Self::Given => "M-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0-7.2 0z",

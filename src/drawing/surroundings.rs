@@ -1,4 +1,4 @@
-//! Views of what the nailing cycle does not resolve: the housing as it vibrates, and the workpiece with its support.
+//! Views of bodies outside the nailing cycle: the vibrating housing, and the workpiece with its support.
 
 use super::mechanism::magazine;
 use super::shape::{Annotation, Line, LineStyle, Material, Part, Side, View, mirrored, rectangle};
@@ -7,7 +7,7 @@ use crate::model::supports;
 
 use Side::{Left, Right};
 
-/// The parts of the housing, as the mesh of `meshes/geo/tool.geo` has them, in the plane of the handle.
+/// The parts of the housing as in the mesh of `meshes/geo/tool.geo`, in the plane of the handle.
 pub fn housing_parts(v: &Values) -> Vec<Part> {
     let b = &v.body;
     let bore = 0.5 * v.piston.bore;

@@ -1,6 +1,6 @@
 //! Drawings as SVG: hatched sections, dimension lines, leader lines and labels.
 //!
-//! Every key is a group that can be focused and has a title, so that pointer, keyboard and screen reader find value and
+//! Every key is a focusable group with a title, so that pointer, keyboard and screen reader give access to value and
 //! provenance without a script.
 
 use maud::{Markup, PreEscaped, html};
@@ -11,12 +11,12 @@ use super::standing::Standing;
 use super::{Drawing, STYLE};
 
 impl Drawing {
-    /// All views below each other as one SVG file.
+    /// All views, one below the other, as one SVG file.
     pub fn svg(&self) -> String {
         file(self, &[])
     }
 
-    /// The views of these names below each other as one SVG file.
+    /// The views with these names, one below the other, as one SVG file.
     pub fn svg_of(&self, names: &[&str]) -> String {
         file(self, names)
     }
@@ -38,14 +38,15 @@ impl Drawing {
     }
 }
 
-/// Space between the views of a file.
+/// Gap between the views of a file.
 const BETWEEN: f64 = 26.0;
 /// Length and half width of an arrow head.
 const ARROW: [f64; 2] = [7.0, 1.9];
 /// Radius of a dot.
 const DOT: f64 = 2.1;
 
-/// The views of these names below each other, or all with what does not fit together.
+/// SVG file with the views of these names, one below the other. Without names, it contains all views and the list of
+/// misfits.
 pub(super) fn file(drawing: &Drawing, names: &[&str]) -> String {
     let chosen = |sheet: &Sheet<'_>| names.is_empty() || names.contains(&sheet.view.name);
     let sheets: Vec<Sheet<'_>> = drawing.sheets().into_iter().filter(chosen).collect();
@@ -101,7 +102,7 @@ pub(super) fn file(drawing: &Drawing, names: &[&str]) -> String {
     format!("{}\n", markup.into_string())
 }
 
-/// Lines of at most 140 characters.
+/// Wraps a text to lines of at most 140 characters.
 fn wrapped(text: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -128,12 +129,12 @@ pub(super) fn figure(sheet: &Sheet<'_>) -> Markup {
     }
 }
 
-/// The symbol of a class of provenance with its line.
+/// The symbol of a class of provenance, with its line.
 pub(super) fn sample(standing: Standing) -> Markup {
     html! { path class={ "symbol " (standing.class()) } d=(standing.symbol()) {} }
 }
 
-/// The content of a sheet; on a page, the heading is that of the page.
+/// The content of a sheet; on a page, the page has the heading.
 fn content(sheet: &Sheet<'_>, heading: bool) -> Markup {
     let view = sheet.view;
     let p = &sheet.picture;
@@ -202,7 +203,7 @@ fn key(sheet: &Sheet<'_>, placed: &Placed<'_>) -> Markup {
     }
 }
 
-/// A text in which what is behind an underscore, up to a blank, is a subscript.
+/// Text with subscripts: an underscore starts a subscript that ends at the next blank.
 fn with_subscripts(text: &str) -> Markup {
     let words: Vec<(&str, Option<&str>)> = text
         .split(' ')
@@ -247,7 +248,7 @@ fn polyline(sheet: &Sheet<'_>, points: &[Point], closed: bool) -> String {
     path
 }
 
-/// A number on the sheet to a hundredth of a unit, so that thin walls are not rounded.
+/// A number on the sheet to a hundredth of a unit, so that thin walls are not lost to rounding.
 fn n2(value: f64) -> String {
     crate::wording::trimmed(value, 2)
 }
@@ -296,11 +297,11 @@ fn drawn(sheet: &Sheet<'_>, mark: &Mark) -> String {
         Mark::Extension([a, b]) => {
             let [a, b] = [sheet.at(*a), sheet.at(*b)];
             if (a[0] - b[0]).hypot(a[1] - b[1]) < 1.0 {
-                // Measured at the edge itself: a short stroke ends the dimension line.
+                // If the length is measured at the edge itself, a short stroke ends the dimension line.
                 return String::new();
             }
             let [u, v] = direction(a, b);
-            // The line goes slightly beyond the dimension line.
+            // The extension line goes slightly beyond the dimension line.
             format!(
                 "M{} {}L{} {}",
                 n2(a[0]),
@@ -319,7 +320,7 @@ fn drawn(sheet: &Sheet<'_>, mark: &Mark) -> String {
             )
         }
         Mark::Path(points) => {
-            // A path is a line and not an area: back along itself.
+            // A path is a line, not an area, so it returns along itself.
             let mut there = points.clone();
             there.extend(points.iter().rev().skip(1));
             polyline(sheet, &there, false)
@@ -333,7 +334,7 @@ fn direction(a: Point, b: Point) -> Point {
     [(b[0] - a[0]) / length, (b[1] - a[1]) / length]
 }
 
-/// A dimension line with arrows: from inside where there is room, else from outside.
+/// A dimension line with arrows: inside if there is room, otherwise outside.
 fn span([a, b]: [Point; 2]) -> String {
     let [u, v] = direction(a, b);
     let length = (b[0] - a[0]).hypot(b[1] - a[1]);
@@ -360,7 +361,7 @@ fn arrow([x, y]: Point, [u, v]: Point) -> String {
     )
 }
 
-/// A bar of a round length at the lower left of a sheet.
+/// A bar with a round length at the lower left of a sheet.
 fn scale_bar(sheet: &Sheet<'_>) -> Markup {
     let units = sheet.scale * MM;
     let lengths = (-3..=4).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
@@ -414,7 +415,7 @@ fn style_class(line: &Line) -> &'static str {
     }
 }
 
-/// The hatching of a material; none where the class has a plain colour.
+/// The hatching of a material; `None` if its class has a plain colour.
 fn fill(view: &str, material: Material) -> Option<String> {
     let hatched = matches!(
         material,
@@ -430,7 +431,7 @@ fn fill(view: &str, material: Material) -> Option<String> {
     hatched.then(|| format!("fill:url(#d-{view}-{})", material_class(material)))
 }
 
-/// The patterns of hatchings, with the name of the view in their names: a page has several drawings.
+/// The hatching patterns, with the view's name in their names, because a page has several drawings.
 fn hatchings(view: &str) -> Markup {
     let pattern = |name: &str, size: [f64; 2], turned: f64, strokes: &str| {
         html! {

@@ -30,7 +30,7 @@ fn over(base: &str, text: &str) -> Design {
     Design::parse(&text, "designs/over.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The designs that come with the program and others, on all supports, with all that is fitted behind the exhaust.
+/// The designs that come with the program and others, on all supports, with every fitting on the exhaust.
 fn designs() -> Vec<Design> {
     let muffler = "exhaust.muffler = { kind = \"chamber\", flow_area = \"100 mm2\", lining_thickness = \"8 mm\" }
         analysis = { exhaust_max_frequency = \"6 kHz\", range_high = \"6 kHz\" }";
@@ -67,7 +67,7 @@ fn each_drawn(mut visit: impl FnMut(&Design)) {
             .filter_map(|entry| Some((entry.key, entry.range?)))
             .collect();
         for draw in 0..25 {
-            // A fourth of the keys, each anywhere in its range: most such designs are free of conflicts.
+            // One key in four is anywhere in its range; most such designs are free of conflicts.
             let value = |(key, (name, [low, high])): (u64, &(String, [f64; 2]))| {
                 let place = uniform(number as u64, draw, key);
                 (uniform(77 + number as u64, draw, key) < 0.25)
@@ -162,7 +162,7 @@ fn leader_lines_of_a_column_do_not_cross() {
     }
 }
 
-/// Length of the dimension line of an annotation, twice that of one which begins on the axis outside a detail.
+/// Length of the dimension line of an annotation, doubled if the line starts on the axis outside a detail.
 fn dimension(annotation: &Annotation) -> Option<f64> {
     annotation.marks.iter().find_map(|mark| match mark {
         Mark::Span([a, b]) => Some((a[0] - b[0]).hypot(a[1] - b[1])),
@@ -220,7 +220,7 @@ fn volumes_and_areas_as_drawn_are_those_of_the_cycle() {
         let found = section.annotations.iter().find(|annotation| annotation.key == key);
         found.and_then(dimension).unwrap_or_default()
     };
-    // By Pappus' theorem from the outlines, and by the cycle's own geometry.
+    // Compares Pappus' theorem, applied to the outlines, with the geometry of the cycle.
     let swept = 0.25 * PI * length("piston.bore").powi(2) * length("piston.stroke");
     close("swept volume", swept, design.piston.area() * design.piston.stroke);
     let above = part(section, "volume above the piston").volume_of_revolution();
@@ -248,7 +248,7 @@ fn volumes_and_areas_as_drawn_are_those_of_the_cycle() {
     close("A_2r", holes(layout.return_hole[0]), design.chambers.return_hole_area);
     close("A_sup", PI * layout.hose * layout.hose, design.supply.hose_area);
     close("L_ch", layout.channel_length(), design.trigger.channel_length);
-    // Travel to the nail: from the rod's tip to the waiting head.
+    // Travel to the nail: from the tip of the rod to the head of the nail before the shot.
     close(
         "y_pbin",
         layout.rod_tip - design.nail.feed_height,
@@ -258,7 +258,7 @@ fn volumes_and_areas_as_drawn_are_those_of_the_cycle() {
     close("A_h1", PI * ring, design.head_valve.control_area());
 }
 
-/// The mesh was made by gmsh from a script of its own.
+/// gmsh made the mesh from its own script.
 #[test]
 fn the_housing_as_drawn_has_the_volumes_of_its_mesh() {
     let design = over("n80cb.toml", "");
@@ -273,7 +273,7 @@ fn the_housing_as_drawn_has_the_volumes_of_its_mesh() {
     let drawn = housing_parts(&design);
     let find = |name: &str| drawn.iter().find(|part| part.name == name).map(|part| &part.outlines);
     let sleeve = drawn.iter().find(|part| part.name == "cylinder sleeve");
-    // Two halves of the section make one solid: each outline alone is half of it on its side of the axis.
+    // Two halves of the section make one solid; each outline alone is half of it on its side of the axis.
     let [left, right] = [0, 1].map(|side| {
         let outlines = sleeve.map(|part| vec![part.outlines[side].clone()]).unwrap_or_default();
         super::Part {
@@ -289,7 +289,7 @@ fn the_housing_as_drawn_has_the_volumes_of_its_mesh() {
         "{right} m3 drawn, {} in the mesh",
         of("sleeve")
     );
-    // The nose is a box tube: the area of both walls of the section follows from its perimeter.
+    // The nose is a box tube, so the area of both walls of the section follows from its perimeter.
     let b = &design.body;
     let walls: f64 = find("nose").map_or(0.0, |outlines| {
         let width = |outline: &Outline| {

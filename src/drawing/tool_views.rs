@@ -1,4 +1,4 @@
-//! The section through the tool and its two details: the head valve, and nail, rod and nose.
+//! The section through the tool and its two details: the head valve, and the nose with nail and rod.
 
 use super::layout::Layout;
 use super::mechanism::{guard_top, lines, parts, port};
@@ -7,7 +7,7 @@ use crate::design::{FittingKind, MufflerKind, Values};
 
 use Side::{Left, Right};
 
-/// Depth of the wood that the section shows below the nose \[m\], where the block is thicker.
+/// Depth of the wood shown below the nose \[m\], if the block is thicker.
 const WOOD: f64 = 40e-3;
 
 /// The section through the tool on the wood, before the shot.
@@ -29,7 +29,7 @@ pub(super) fn section(v: &Values, l: &Layout) -> View {
             .flat_map(super::shape::corners),
     );
     let wide = reach.map_or([-0.05, 0.05], |bounds| [bounds.low[0], bounds.high[0]]);
-    // The guard of the nose and the magazine set how much of the wood is seen.
+    // The guard of the nose and the magazine determine how much of the wood is shown.
     let across = [wide[0].max(-0.06), wide[1].min(0.13)];
     let (wood, edges) = wood(v, across, depth);
     view.parts.splice(0..0, wood);
@@ -37,7 +37,7 @@ pub(super) fn section(v: &Values, l: &Layout) -> View {
     view
 }
 
-/// The wood between two abscissas down to a depth, with its board, and the lines where it is broken off.
+/// The wood between two abscissas down to a depth, with its board and break lines.
 fn wood(v: &Values, [left, right]: [f64; 2], depth: f64) -> (Vec<Part>, Vec<Line>) {
     let board = v.workpiece.board.thickness.min(depth);
     let mut parts = vec![Part::new(
@@ -233,7 +233,7 @@ fn vent(v: &Values, l: &Layout) -> Annotation {
     Annotation::dot("trigger.vent_area", Right, [x + depth / 6.0, z - 0.6 * depth])
 }
 
-/// Keys of what is fitted on the exhaust holes.
+/// Keys of fittings on the exhaust holes.
 fn outlet(v: &Values, l: &Layout) -> Vec<Annotation> {
     let (start, z) = (-v.body.cap_radius, l.exhaust);
     let fitting = &v.exhaust.fitting;
@@ -314,7 +314,7 @@ fn outlet(v: &Values, l: &Layout) -> Vec<Annotation> {
     found
 }
 
-/// What the detail of the head valve shows: the right half of the ring with its seat and stop.
+/// Window of the head valve's detail: the right half of the ring with its seat and stop.
 fn valve_window(v: &Values, l: &Layout) -> Bounds {
     let s = &l.valve;
     let wall = s.outer - s.inner;
@@ -447,7 +447,7 @@ pub(super) fn head_valve(v: &Values, l: &Layout) -> View {
     }
 }
 
-/// What the detail of the nose shows: nail and rod, from the wood to above the rod's tip.
+/// Window of the nose's detail: nail and rod, from the wood to above the tip of the rod.
 fn nose_window(v: &Values) -> Bounds {
     let half = 0.5 * v.body.nose_width;
     let deep = (v.piston.rod_protrusion + 6e-3).max(10e-3);

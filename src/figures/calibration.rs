@@ -1,10 +1,10 @@
-//! Charts of a calibration: predictions and inputs before and now.
+//! Charts of a calibration: predictions and inputs before and after.
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::palette::{BLACK, GREY};
 use crate::calibration::{CalibrationResult, InputRow, MeasurementRow};
 
-/// Inputs that are drawn.
+/// Number of inputs drawn.
 const DRAWN: usize = 20;
 
 /// Ends of the axis of relative predictions.
@@ -37,7 +37,7 @@ pub fn calibration(result: &CalibrationResult) -> Vec<Chart> {
     ]
 }
 
-/// A value as a place between two ends.
+/// Position of a value between two ends.
 fn place(value: f64, [low, high]: [f64; 2]) -> f64 {
     ((value - low) / (high - low)).clamp(RELATIVE[0], RELATIVE[1])
 }

@@ -1,26 +1,26 @@
-//! The model of a chart: axes, series and events, before a renderer draws them on paper or on a page.
+//! The data of a chart: axes, series and events, independent of the renderer for print or page.
 
-use nailnoise_dynamics::Events;
+use nailnoise_dynamics::network::EventTime;
 
-use crate::output::EVENT_NAMES;
+use crate::output::event_name;
 
-/// A long line is thinned to the extremes of so many columns.
+/// A long line is thinned to the extremes in this number of columns.
 const COLUMNS: usize = 900;
 
-/// Panels below each other that show one subject. `_{...}` in a text is a subscript.
+/// Panels, one below the other, that show one subject. `_{...}` in a text is a subscript.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Name of its file, without extension, and of its place in a page.
+    /// Name of its file, without extension, and of its place on a page.
     pub name: String,
     /// Heading.
     pub title: &'static str,
-    /// The design, and its result.
+    /// The design and its result.
     pub subject: String,
-    /// The content of the chart, in sentences.
+    /// Description of the chart, in sentences.
     pub caption: String,
     /// Panels, from the top.
     pub panels: Vec<Panel>,
-    /// Events on a horizontal axis of time, in order.
+    /// Events on a horizontal time axis, in order.
     pub events: Vec<Event>,
 }
 
@@ -33,7 +33,7 @@ pub struct Panel {
     pub y: Axis,
     /// Height of the axes in print \[mm\].
     pub height: u32,
-    /// Series; the first lies on top.
+    /// Series; the first is drawn on top.
     pub series: Vec<Series>,
 }
 
@@ -44,11 +44,12 @@ pub struct Axis {
     pub label: String,
     /// Its unit; empty if it has none.
     pub unit: &'static str,
-    /// Values at the ends, in the unit; category `i` takes `i..i + 1`. The first category is on top of a vertical axis.
+    /// Values at the ends, in the unit; category `i` covers `i..i + 1`. The first category is on top of a vertical
+    /// axis.
     pub range: [f64; 2],
     /// Names of the categories; none on a linear axis.
     pub categories: Vec<String>,
-    /// Categories that have a tick.
+    /// Categories with a tick.
     pub ticks: Vec<usize>,
 }
 
@@ -57,36 +58,35 @@ pub struct Axis {
 pub struct Series {
     /// Entry in the legend; no entry if it is empty.
     pub name: String,
-    /// Place of its colour in the palette.
+    /// Index of its colour in the palette.
     pub colour: usize,
-    /// How it is drawn.
+    /// Its shape.
     pub shape: Shape,
-    /// Abscissas in the unit of the axis, rising; places of categories.
+    /// Abscissas in the unit of the axis, ascending; positions on an axis of categories.
     pub x: Vec<f64>,
-    /// Ordinates in the unit of the axis; a gap if they are not finite.
+    /// Ordinates in the unit of the axis; values that are not finite leave a gap.
     pub y: Vec<f64>,
-    /// Text on each point, next to it or under the pointer; may be empty.
+    /// Text for each point, next to it or shown under the pointer; may be empty.
     pub notes: Vec<String>,
 }
 
-/// How a series is drawn.
+/// Shape in which a series is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// A line through the points.
     Line,
-    /// A broad line through the points.
+    /// A wide line through the points.
     Broad,
     /// A dashed line through the points.
     Dashed,
-    /// A horizontal line over each category.
+    /// A horizontal line across each category.
     Steps,
     /// A bar from the lower end of the axis for each category, next to those of other series. Lines across the bars
-    /// mark these values, if any. The bars are horizontal where the vertical axis has the categories.
+    /// mark these values, if any. The bars are horizontal if the vertical axis has the categories.
     Bars(Vec<f64>),
     /// A dot at each point.
     Points,
-    /// A bar for each category from the first to the second of these ordinates, which a line at `y` crosses, next to
-    /// those of other series.
+    /// A bar for each category between these ordinates, crossed by a line at `y`, next to those of other series.
     Whiskers(Vec<[f64; 2]>),
     /// An error bar between these ordinates over each bar of the series before.
     Errors(Vec<[f64; 2]>),
@@ -99,14 +99,14 @@ pub enum Shape {
     Swings(Vec<f64>),
 }
 
-/// An event on an axis of time.
+/// An event on a time axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
     /// Its time, in the unit of the axis.
     pub at: f64,
     /// Its symbol.
     pub symbol: String,
-    /// What happens.
+    /// Its name.
     pub name: String,
 }
 
@@ -130,15 +130,15 @@ impl Axis {
         Self::new(label, unit, if low < high { [low, high] } else { [0.0, 1.0] })
     }
 
-    /// An axis that contains these values with a margin of 5 %.
+    /// An axis that contains these values, with a margin of 5 %.
     pub(crate) fn holding(label: impl Into<String>, unit: &'static str, values: impl Iterator<Item = f64>) -> Self {
         let [low, high] = ends(values).unwrap_or([0.0, 1.0]);
-        // Values that differ only by rounding would have ticks without digits.
+        // Values that differ only by rounding would give ticks without digits.
         let margin = (0.05 * (high - low)).max(1e-6 * high.abs()).max(f64::MIN_POSITIVE);
         Self::new(label, unit, [low - margin, high + margin])
     }
 
-    /// An axis of levels that ends above the highest of all series, with `shown` dB below its upper end.
+    /// A level axis that ends above the highest level of all series and covers `shown` dB.
     pub(crate) fn levels(label: impl Into<String>, unit: &'static str, shown: f64, series: &[Series]) -> Self {
         let highest = ends(series.iter().flat_map(|series| series.y.iter().copied())).map_or(0.0, |[_, high]| high);
         let end = 5.0 * ((highest + 1.0) / 5.0).ceil();
@@ -165,7 +165,7 @@ impl Axis {
 }
 
 impl Series {
-    /// A line, thinned so that every peak stays.
+    /// A line, thinned in such a way that every peak is kept.
     pub(crate) fn line(name: impl Into<String>, colour: usize, x: &[f64], y: &[f64]) -> Self {
         let kept = thin(y);
         let of = |values: &[f64]| kept.iter().map(|&index| values[index]).collect();
@@ -176,7 +176,7 @@ impl Series {
         }
     }
 
-    /// A value for each category; a gap if it is missing.
+    /// A value for each category; a missing value leaves a gap.
     pub(crate) fn over(
         name: impl Into<String>,
         colour: usize,
@@ -194,7 +194,7 @@ impl Series {
         }
     }
 
-    /// The series with abscissas and ordinates exchanged: horizontal bars.
+    /// The series with abscissas and ordinates exchanged, for horizontal bars.
     pub(crate) fn sideways(self) -> Self {
         Self {
             x: self.y,
@@ -203,7 +203,7 @@ impl Series {
         }
     }
 
-    /// A dashed grey line over the full axis.
+    /// A dashed grey line across the axis.
     pub(crate) fn rule(name: impl Into<String>, axis: &Axis, value: f64) -> Self {
         Self {
             x: axis.range.to_vec(),
@@ -214,21 +214,20 @@ impl Series {
 }
 
 /// The events that take place, in ms.
-pub(crate) fn events(events: &Events) -> Vec<Event> {
-    let times = events.to_array();
-    let taking_place = times
-        .iter()
-        .zip(EVENT_NAMES)
-        .enumerate()
-        .filter_map(|(index, (time, name))| {
-            Some(Event {
-                at: 1e3 * (*time)?,
-                symbol: symbol(&format!("t{index}")),
-                name: name.to_owned(),
-            })
-        });
+pub(crate) fn events(events: &[EventTime]) -> Vec<Event> {
+    let taking_place = events.iter().filter_map(|event| {
+        let words = event_name(&event.name);
+        Some(Event {
+            at: 1e3 * event.time?,
+            symbol: symbol(&event.name),
+            name: match words.split_once(' ') {
+                Some((_, name)) => name.to_owned(),
+                None => words.replace('_', " "),
+            },
+        })
+    });
     let mut events: Vec<Event> = taking_place.collect();
-    // In a published form t2 may come before t1.
+    // In a published form of the equations, t2 may precede t1.
     events.sort_by(|a, b| a.at.total_cmp(&b.at));
     events
 }
@@ -245,7 +244,7 @@ pub(crate) fn symbol(event: &str) -> String {
     }
 }
 
-/// A text with its subscripts `_{...}` between two marks.
+/// A text with its subscripts `_{...}` enclosed in `before` and `after`.
 pub(crate) fn subscripts(text: &str, before: &str, after: &str) -> String {
     let mut parts = text.split("_{");
     let first = parts.next().unwrap_or_default().to_owned();
@@ -263,7 +262,7 @@ fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
         .reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])
 }
 
-/// Indices of the first, lowest and highest of every column, and of the last.
+/// Indices of the first, lowest and highest point of every column, and of the last point.
 fn thin(y: &[f64]) -> Vec<usize> {
     let column = y.len().div_ceil(COLUMNS).max(1);
     if column < 3 {

@@ -4,8 +4,9 @@ use nailnoise_dynamics::CycleRecord;
 
 use super::chart::{Axis, Chart, Panel, Series, Shape, events};
 use crate::design::Values;
+use crate::stages::cycle::event_times;
 
-/// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names their subject.
+/// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names the design.
 pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart> {
     let (r, f) = (record, &record.forces);
     let time: Vec<f64> = (0..r.len()).map(|index| 1e3 * r.time(index)).collect();
@@ -33,7 +34,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         subject: subject.to_owned(),
         caption: caption.to_owned(),
         panels,
-        events: events(&r.events),
+        events: events(&event_times(&r.events)),
     };
 
     let ambient = 1e-3 * design.ambient.pressure;
@@ -93,8 +94,8 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         line("trigger vent", 3, scaled(&r.vent.mass_flow, 1e3)),
     ];
 
-    // The thesis judges the exhaust by the chamber, P_a/P_1; the holes, the origin of the sound, have P_a/P_m. A ratio
-    // is drawn where its passage is open.
+    // The thesis assesses the exhaust by the chamber, P_a/P_1, but sound originates at the holes, which have P_a/P_m. A
+    // ratio is drawn while its passage is open.
     let gamma = design.ambient.heat_capacity_ratio;
     let critical = (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0));
     let (above, motion) = (&r.above_piston.pressure, &r.motion.valve_lift);
@@ -191,7 +192,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
     ]
 }
 
-/// The axis of all charts of time.
+/// The time axis of all charts.
 pub(super) fn time_axis(record: &CycleRecord) -> Axis {
     let last = record.len().checked_sub(1).map_or(1.0, |last| 1e3 * record.time(last));
     Axis::new("Time from the trigger", "ms", [0.0, last])

@@ -1,17 +1,17 @@
-//! Energy of a shot as two cascades: of the gas, and of the mechanics that its work drives.
+//! Energy of a shot as two cascades: for the gas, and for the mechanics that its work drives.
 //!
 //! Each bar begins at the end of the one above it, so that inputs build up to the right and losses lead back to the
-//! remainder at the end.
+//! remainder.
 
 use nailnoise_dynamics::{Ambient, CycleRecord, EnergyFlow};
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::palette::GREY;
 
-/// Part of the largest level below which terms are drawn together.
+/// Terms below this fraction of the largest are drawn together.
 const SMALL: f64 = 1e-3;
 
-/// A step of a cascade: its name, and the energy that comes in (positive) or goes out \[J\].
+/// A step of a cascade: its name, and the energy that enters (positive) or leaves \[J\].
 type Term = (&'static str, f64);
 
 /// The chart of the energy flow of a nailing cycle. `subject` names its subject.
@@ -93,8 +93,8 @@ fn mechanics(e: &EnergyFlow) -> Panel {
     cascade("Mechanical energy", start, flows, end)
 }
 
-/// Draws small terms together, so that the cascade still closes. Energy that a published form does not conserve is a
-/// separate term; the rounding of a form that conserves energy is too small for a term.
+/// Draws small terms together, so that the cascade still balances. Energy that a published form does not conserve is a
+/// separate term; for forms that conserve energy, the residual is rounding, which is too small for a term.
 fn gather(flows: Vec<Term>, largest: f64, residual: f64) -> Vec<Term> {
     let small = |energy: f64| energy.abs() < SMALL * largest;
     let (rest, mut flows): (Vec<Term>, Vec<Term>) = flows.into_iter().partition(|(_, energy)| small(*energy));
@@ -135,7 +135,7 @@ fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
     }
     let [low, high] = ends;
     Panel {
-        // Values follow the bars.
+        // The labels follow the bars.
         x: Axis::new(
             "Energy",
             "J",

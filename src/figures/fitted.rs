@@ -1,19 +1,19 @@
-//! Fitted penetration laws: data with law and band, and residuals against every predictor.
+//! Charts of fitted penetration laws: data with law and band, and residuals against every predictor.
 
 use nailnoise_penetration::fit::{Drive, FittedLaw, Scatter, VARIABLES, Variable};
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: usize = 200;
-/// Points of the data in a figure; beyond them every n-th is drawn.
+/// Maximum number of data points in a figure; above it, every n-th point is drawn.
 const MOST_POINTS: usize = 6000;
-/// Panels of a figure.
+/// Maximum number of panels in a figure.
 const MOST_PANELS: usize = 6;
-/// Confidence of the bands.
+/// Confidence level of the bands.
 const CONFIDENCE: f64 = 0.95;
 
-/// The data of each condition with the law and its band, the first conditions in the order of the data.
+/// The data of each condition with the law and its band, for conditions spread over the data.
 pub fn fit(subject: &str, law: &FittedLaw, drives: &[Drive]) -> Chart {
     let mut groups: Vec<&str> = Vec::new();
     for drive in drives {
@@ -22,7 +22,7 @@ pub fn fit(subject: &str, law: &FittedLaw, drives: &[Drive]) -> Chart {
         }
     }
     let shown = groups.len().min(MOST_PANELS);
-    // Spread over the conditions rather than the first ones.
+    // Spread over the conditions instead of the first ones.
     let chosen = (0..shown).map(|k| groups[k * groups.len() / shown]);
     let panels = chosen.map(|group| panel(group, law, drives)).collect();
     Chart {
@@ -57,7 +57,7 @@ fn panel(group: &str, law: &FittedLaw, drives: &[Drive]) -> Panel {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let conditions = own[0].conditions;
     let deepest = points.last().map_or(0.0, |point| point.0);
-    // The speed of a projectile at a depth: of the nearest measured point.
+    // The speed of a projectile at a depth, taken from the nearest measured point.
     let speed = |depth: f64| {
         let right = points.partition_point(|point| point.0 < depth).min(points.len() - 1);
         points[right].1
@@ -99,7 +99,7 @@ fn panel(group: &str, law: &FittedLaw, drives: &[Drive]) -> Panel {
     }
 }
 
-/// Residuals of s against depth and every variable that the data change.
+/// Residuals of s against depth and every variable that changes in the data.
 pub fn residuals(subject: &str, drives: &[Drive], residuals: &[f64]) -> Chart {
     let rows: Vec<[f64; VARIABLES]> = drives
         .iter()

@@ -2,25 +2,26 @@
 //! time.
 
 use nailnoise_acoustics::signals::{energy_level, level_energy};
-use nailnoise_dynamics::CycleRecord;
 
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
 use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::ranking::SoundPower;
 
-/// Levels shown below the highest \[dB\].
+/// Range of levels shown below the highest \[dB\].
 pub(crate) const SHOWN: f64 = 60.0;
 
-/// Place of a source in the palette, the same in every chart; sources without a fixed place take the others in turn.
+/// Index of a source in the palette, the same in every chart; sources without a fixed colour take the remaining ones in
+/// turn.
 pub(crate) fn in_palette(source: &str, place: usize) -> usize {
     by_name(source).map_or(3 + place % 3, |source| source.colour())
 }
 
-/// The charts of a result's levels: `bands` of each source, a chart of the parts of each source that has one, named
-/// after the source, and `intervals` between events. `subject` names their subject.
+/// The charts of a result's levels: `bands` of each source, a chart of the parts of each source that has parts, named
+/// after the source, and `intervals` between events. `subject` names the design.
 pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     let chart = |name: &str, title, caption: &str, panels| Chart {
         name: name.to_owned(),
@@ -76,7 +77,7 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     charts
 }
 
-/// A panel of one-third-octave bands with a tick per octave.
+/// A panel of one-third-octave bands with one tick per octave.
 fn bands(label: &str, result: &RunResult, series: Vec<Series>) -> Panel {
     let bands = result.ranking.first().map_or(&[][..], |source| &source.bands);
     let octave = |place: &usize| (10.0 * (bands[*place].hz / 1000.0).log10()).round() as i32 % 3 == 0;
@@ -92,7 +93,7 @@ fn bands(label: &str, result: &RunResult, series: Vec<Series>) -> Panel {
     }
 }
 
-/// A level of each source in each band, and their energy sum.
+/// A level of each source in each band, and their energetic sum.
 fn sources(result: &RunResult, level: fn(&BandLevel) -> Option<f64>) -> Vec<Series> {
     let bands = result.ranking.first().map_or(0, |source| source.bands.len());
     let sum = |band: usize| {
@@ -107,7 +108,7 @@ fn sources(result: &RunResult, level: fn(&BandLevel) -> Option<f64>) -> Vec<Seri
         .collect()
 }
 
-/// Bars are the energy radiated in an interval. Intervals of no length are left out.
+/// Bars show the energy radiated in an interval. Empty intervals are omitted.
 fn intervals(result: &RunResult) -> Panel {
     let lasting = |interval: &&IntervalLevel| interval.to_s > interval.from_s;
     let of = |intervals: &[IntervalLevel], value: &dyn Fn(&IntervalLevel) -> Option<f64>| -> Vec<Option<f64>> {
@@ -139,7 +140,7 @@ fn intervals(result: &RunResult) -> Panel {
     }
 }
 
-/// The event at the start of an interval by symbol and name.
+/// The event at the start of an interval, by symbol and name.
 pub(crate) fn from_event(name: &str) -> String {
     match event_name(name).split_once(' ') {
         Some((_, words)) => format!("{} {words}", symbol(name)),
@@ -148,7 +149,7 @@ pub(crate) fn from_event(name: &str) -> String {
 }
 
 /// A-weighted sound power of every source over time. `subject` names its subject.
-pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Chart {
+pub fn power(subject: &str, record: &ShotRecord, powers: &[SoundPower]) -> Chart {
     let curve = |(place, power): (usize, &SoundPower)| {
         let history = &power.history;
         let time = |cell: usize| 1e3 * (history.start + cell as f64 * history.sample_interval);
@@ -160,7 +161,7 @@ pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Char
     };
     let series: Vec<Series> = powers.iter().enumerate().map(curve).collect();
     let levels = Axis::levels("A-weighted sound power level", "dB re 1 pW", SHOWN, &series);
-    // To the last level that is shown, which is after the end of the cycle if a body rings on.
+    // Up to the last level shown, which is after the end of the cycle if a body rings on.
     let shown = series.iter().flat_map(|own| own.x.iter().zip(&own.y));
     let shown = shown.filter(|(_, level)| **level >= levels.range[0]);
     let end = shown.map(|(time, _)| *time).fold(1.0, f64::max);

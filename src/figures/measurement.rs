@@ -1,4 +1,4 @@
-//! Charts of a wrapping test: levels with uncertainty, bands as recorded and corrected, intervals, signals with
+//! Charts of a wrapping test: levels with uncertainty, bands as recorded and corrected, intervals, and signals with
 //! markers.
 
 use super::chart::{Axis, Chart, Event, Panel, Series, Shape, symbol};
@@ -177,7 +177,7 @@ fn intervals(result: &MeasurementResult) -> Option<Chart> {
     ))
 }
 
-/// Signals of the first shot of the total, else of the first configuration, with its markers.
+/// Signals of the first shot of the total (otherwise of the first configuration), with its markers.
 fn signals(measured: &Measured) -> Option<Chart> {
     let total = |own: &&crate::measurement::processing::ShotSignals| own.configuration == Configuration::Total;
     let shown = measured

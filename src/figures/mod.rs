@@ -1,8 +1,8 @@
 //! Charts of a run: [`cycle`] shows a nailing cycle, [`sound`] the levels of a run, [`penetration()`] compares
-//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] sets them in
-//! millimetres for print, the report in its page.
+//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] lays them out in
+//! millimetres for print, the report on its page.
 //!
-//! Time runs in ms from the trigger on; the events t0 to t18 appear over each chart of time.
+//! Time is in ms from the trigger; every chart over time shows the events t0 to t18.
 
 mod calibration;
 mod chart;
@@ -12,6 +12,7 @@ mod fitted;
 mod levels;
 mod measurement;
 mod network;
+mod optimisation;
 mod palette;
 pub(crate) mod path;
 mod penetration;
@@ -22,8 +23,10 @@ pub(crate) mod ticks;
 use std::path::{Path, PathBuf};
 
 use crate::atomic_write::AtomicWrite;
+use crate::design::Values;
 use crate::error::Error;
 use crate::run::Run;
+use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 pub use calibration::calibration;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
@@ -35,10 +38,19 @@ pub(crate) use levels::{from_event, in_palette};
 pub use levels::{levels, power};
 pub use measurement::measurement;
 pub use network::network;
+pub use optimisation::optimisation;
 pub(crate) use palette::{BLACK, PALETTE, hexadecimal, of_design};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
+
+/// The charts of a shot's cycle; those of the tool of the keys end with [`energy()`].
+pub fn shot(subject: &str, design: &Values, shot: &ShotRecord) -> Vec<Chart> {
+    match &shot.record {
+        EngineRecord::Keys(record) => cycle(subject, design, record),
+        EngineRecord::Assembly(record) => network(subject, record),
+    }
+}
 
 /// The charts of a run: [`levels`] and [`power`]. `subject` names their subject.
 pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
@@ -47,7 +59,7 @@ pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
     charts
 }
 
-/// Writes charts to the folder `folder` of a [`AtomicWrite`] as SVG and returns their files.
+/// Writes charts as SVG to the folder `folder` of an [`AtomicWrite`] and returns their files.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.

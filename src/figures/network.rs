@@ -1,8 +1,8 @@
-//! Charts of a cycle as a network: pressures, motion, forces and flows of whatever blocks there are.
+//! Charts of a network cycle: pressures, motion, forces and flows of its blocks.
 
 use nailnoise_dynamics::network::Record;
 
-use super::chart::{Axis, Chart, Event, Panel, Series, symbol};
+use super::chart::{Axis, Chart, Panel, Series, events};
 
 /// A group of channels that share an axis.
 struct Kind {
@@ -60,7 +60,7 @@ pub fn network(subject: &str, record: &Record) -> Vec<Chart> {
             subject: subject.to_owned(),
             caption: caption.to_owned(),
             panels,
-            events: events(record),
+            events: events(&record.events),
         })
     };
     let charts = [
@@ -87,7 +87,7 @@ pub fn network(subject: &str, record: &Record) -> Vec<Chart> {
     charts.into_iter().flatten().collect()
 }
 
-/// The channels of a kind that are not constant; none if there are none.
+/// The channels of a kind that vary; `None` if none do.
 fn panel(record: &Record, time: &[f64], kind: &Kind) -> Option<Panel> {
     let mut series = Vec::new();
     for channel in &record.channels {
@@ -106,20 +106,4 @@ fn panel(record: &Record, time: &[f64], kind: &Kind) -> Option<Panel> {
         height: 60,
         series,
     })
-}
-
-/// The events that take place, in ms.
-fn events(record: &Record) -> Vec<Event> {
-    let of = record.events.iter();
-    let mut events: Vec<Event> = of
-        .filter_map(|event| {
-            Some(Event {
-                at: 1e3 * event.time?,
-                symbol: symbol(&event.name),
-                name: event.name.replace('_', " "),
-            })
-        })
-        .collect();
-    events.sort_by(|a, b| a.at.total_cmp(&b.at));
-    events
 }

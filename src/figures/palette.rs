@@ -1,7 +1,8 @@
 //! Colours of series.
 
-/// Colours of series: Okabe and Ito, "Color universal design" (2008), without the yellow that is too light for lines;
-/// colour-blind readers can distinguish them. Then twelve for designs side by side, none of them that of a source.
+/// Colours of series: Okabe and Ito, "Color universal design" (2008), without yellow, which is too light for lines;
+/// colour-blind readers can distinguish them. Twelve more follow for designs shown together; none of them is the colour
+/// of a source.
 pub(crate) const PALETTE: [[u8; 3]; 20] = [
     [0x00, 0x72, 0xB2], // blue
     [0xD5, 0x5E, 0x00], // vermilion
@@ -24,11 +25,11 @@ pub(crate) const PALETTE: [[u8; 3]; 20] = [
     [0xB3, 0x7F, 0x00], // gold
     [0x75, 0x57, 0xC4], // violet
 ];
-/// Places in the palette.
+/// Indices in the palette.
 pub(crate) const BLACK: usize = 6;
 pub(crate) const GREY: usize = 7;
 
-/// The colour at a place of the palette, `#RRGGBB`.
+/// The colour at an index of the palette, as `#RRGGBB`.
 pub(crate) fn hexadecimal(place: usize) -> String {
     let [red, green, blue] = PALETTE[place];
     format!("#{red:02X}{green:02X}{blue:02X}")

@@ -1,4 +1,4 @@
-//! Series as paths of SVG, and as bars in rows.
+//! Series as SVG paths, and as horizontal bars.
 
 use std::fmt::Write as _;
 
@@ -13,12 +13,12 @@ pub(crate) struct Frame {
     pub(crate) up: f64,
 }
 
-/// Part of a category that its bars take.
+/// Fraction of a category's width that its bars take.
 const FILLED: f64 = 0.8;
 
 impl Frame {
-    /// The paths of a series, each with its class; `place` is its place in the panel. Coordinates start in the upper
-    /// left corner.
+    /// The paths of a series, each with its class; `place` is the index of the series in the panel. Coordinates start
+    /// in the upper left corner.
     pub(crate) fn paths(&self, panel: &Panel, place: usize, series: &Series) -> Vec<(&'static str, String)> {
         let at = |x: f64, y: f64| [self.x(panel, x), self.y(panel, y)];
         let points = || series.x.iter().copied().zip(series.y.iter().copied());
@@ -31,7 +31,7 @@ impl Frame {
                 let mut d = String::new();
                 let finite = points().filter(|(x, y)| x.is_finite() && y.is_finite());
                 for [x, y] in finite.map(|(x, y)| at(x, y)) {
-                    // A line of no length with round ends is a dot however the box is stretched.
+                    // A line of zero length with round ends is drawn as a dot, however the box is stretched.
                     let _ = write!(d, "M{x} {y}h0");
                 }
                 vec![("dots", d)]
@@ -86,14 +86,14 @@ impl Frame {
         (self.across * (x - low) / (high - low)).round() as i64
     }
 
-    /// Limited to the surroundings of the box: points far outside would only make the numbers long.
+    /// Limited to the surroundings of the box, because distant points would only lengthen the numbers.
     fn y(&self, panel: &Panel, y: f64) -> i64 {
         let [low, high] = panel.y.range;
         let y = self.up * (1.0 - (y - low) / (high - low));
         y.clamp(-self.up, 2.0 * self.up).round() as i64
     }
 
-    /// Left and right end of the bar of a series in a category: series of bars are next to each other.
+    /// Left and right end of the bar of a series in a category; the bars of several series are next to each other.
     fn sides(&self, panel: &Panel, place: usize, x: f64) -> [i64; 2] {
         let is_bar = |series: &&Series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_));
         let before = panel.series[..place].iter().filter(is_bar).count() as f64;
@@ -122,14 +122,14 @@ impl Frame {
     }
 }
 
-/// A line through points, interrupted at missing ones. Steps from point to point are short to write.
+/// A line through points, interrupted at missing ones. Relative steps between the points keep the text short.
 fn line(points: impl Iterator<Item = Option<[i64; 2]>>) -> String {
     let mut d = String::new();
     let mut last: Option<[i64; 2]> = None;
     for point in points {
         match (last, point) {
             (None, Some([x, y])) => {
-                // A dot where the line has one point only.
+                // A dot if the line has only one point.
                 let _ = write!(d, "M{x} {y}l0 0");
             }
             (Some([x0, y0]), Some([x, y])) if [x0, y0] != [x, y] => {
@@ -142,17 +142,17 @@ fn line(points: impl Iterator<Item = Option<[i64; 2]>>) -> String {
     d
 }
 
-/// A bar of a row: a category of the vertical axis.
+/// A bar in a row, which is a category of the vertical axis.
 pub(crate) struct RowBar<'a> {
-    /// Place of its series in the panel.
+    /// Index of its series in the panel.
     pub(crate) place: usize,
-    /// Place of its colour in the palette.
+    /// Index of its colour in the palette.
     pub(crate) colour: usize,
-    /// Its ends as parts of the horizontal axis.
+    /// Its ends as fractions of the horizontal axis.
     pub(crate) ends: [f64; 2],
-    /// A mark across it, as part of the axis.
+    /// A mark across it, as a fraction of the axis.
     pub(crate) mark: Option<f64>,
-    /// Text after it.
+    /// Text after the bar.
     pub(crate) note: Option<&'a str>,
 }
 
@@ -189,7 +189,7 @@ pub(crate) fn row_bars(panel: &Panel, row: usize) -> Vec<RowBar<'_>> {
     found
 }
 
-/// Text after a bar: bars that share a row have no room for it.
+/// Text after a bar; bars that share a row have no room for it.
 fn note(series: &Series, index: usize) -> Option<&str> {
     let own = series.notes.get(index).map(String::as_str);
     own.filter(|_| matches!(series.shape, Shape::Spans(_)) || series.name.is_empty())

@@ -1,25 +1,25 @@
-//! Penetration laws over depth, published ones with a band of one standard error.
+//! Penetration laws over depth; published laws have a band of one standard error.
 
 use nailnoise_penetration::{CurveError, PenetrationCurve};
 
 use super::PALETTE;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: usize = 400;
 
-/// The most curves a chart shows: as many as there are colours.
+/// Maximum number of curves in a chart: as many as there are colours.
 pub(crate) const MOST: usize = PALETTE.len();
 
-/// Compares laws over depth; `labels` name them, `subject` names their common subject. Laws beyond the eighth are not
-/// drawn.
+/// Compares laws over depth; `labels` are their names, `subject` is their common subject. Laws beyond the eighth are
+/// not drawn.
 ///
 /// # Errors
-/// As [`PenetrationCurve::force`].
+/// Same as [`PenetrationCurve::force`].
 pub fn penetration(subject: &str, laws: &[PenetrationCurve], labels: &[String]) -> Result<Chart, CurveError> {
     let (mut series, mut areas) = (Vec::new(), Vec::new());
     for (colour, (law, label)) in laws.iter().zip(labels).take(MOST).enumerate() {
-        // The force begins with a step at the surface; the first point is just below it.
+        // The force starts with a step at the surface; the first point is just below it.
         let depth = |i: usize| law.nail.length * (i as f64 / POINTS as f64).max(1e-9);
         let curve = |values: Vec<f64>, shape: Shape, name: &str| Series {
             x: (0..=POINTS).map(|i| 1e3 * depth(i)).collect(),

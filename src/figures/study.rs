@@ -1,18 +1,18 @@
-//! Charts of a study: intervals of levels, probabilities of orders, deciding inputs, convergence.
+//! Charts of a study: intervals of levels, probabilities of orders, most influential inputs, convergence.
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
 use super::palette::BLACK;
 use crate::study::{
-    Axis as SweepAxis, Contributions, Draws, Estimate, InputChanges, LabelledStudy, OneAtATime, Quantiles, StudyResult,
-    SweptPoint, Variable, VariableKind, column, levels_of, value_at,
+    Axis as SweepAxis, Change, Contributions, Draws, Estimate, InputChanges, LabelledStudy, OneAtATime, Quantiles,
+    StudyResult, SweptPoint, Variable, VariableKind, column, levels_of, number_and_unit, value_at,
 };
 
-/// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
+/// Number of inputs in the chart of level changes, and the smallest change shown \[dB\].
 const SWINGS: usize = 10;
 const LEAST_SWING: f64 = 0.05;
 
-/// Inputs of each output that are drawn as scatter.
+/// Number of inputs of each output shown as scatter plots.
 const SCATTERED: usize = 2;
 
 /// Charts of the results.
@@ -67,7 +67,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     charts
 }
 
-/// Changes of a level, the inputs that change it most first; none if no input does.
+/// Changes of a level, largest first; `None` if no input changes it.
 fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
     let mut inputs: Vec<&InputChanges> = own
         .inputs
@@ -114,11 +114,11 @@ fn whiskers(name: &str, colour: usize, rows: &[(usize, &Quantiles)]) -> Series {
     }
 }
 
-/// An axis of levels that shows the upper ends of all bars, and at most so many dB below the highest.
+/// A level axis that shows the upper ends of all bars, and at most `shown` dB below the highest.
 fn axis_of_levels(series: &[Series], shown: f64) -> Axis {
     let upper = series.iter().flat_map(|series| match &series.shape {
-        Shape::Whiskers(ends) => ends.iter().map(|[_, high]| Some(*high)).collect(),
-        _ => Vec::new(),
+        Shape::Whiskers(ends) => ends.iter().map(|[_, high]| Some(*high)).collect::<Vec<_>>(),
+        _ => series.y.iter().copied().map(Some).collect(),
     });
     Axis::levels("L_{WA,1s}", "dB", shown, &[Series::over("", 0, Shape::Line, upper)])
 }
@@ -314,21 +314,19 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
 }
 
 /// Levels over the values of the first axis of a sweep, a line for each source. With more axes there is a line for each
-/// of their values, only for the total.
+/// of their values, only for the total. Numbers in one unit have a linear axis; over common draws it has bands.
 pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
-    let names: Vec<String> = axes.first().map_or_else(Vec::new, |axis| axis.values.clone());
-    let place = |point: &SweptPoint| names.iter().position(|name| point.values.first() == Some(name));
+    let scale = Scale::of(axes.first());
     let line = |name: &str, colour: usize, of: &dyn Fn(&SweptPoint) -> Option<f64>, others: Option<&[String]>| {
-        let mut levels = vec![None; names.len()];
-        for point in points
+        let own = points
             .iter()
-            .filter(|point| others.is_none_or(|others| point.values[1..] == *others))
-        {
-            if let Some(place) = place(point) {
-                levels[place] = of(point);
-            }
-        }
-        Series::over(name, colour, Shape::Steps, levels)
+            .filter(|point| others.is_none_or(|others| point.values[1..] == *others));
+        scale.series(
+            name,
+            colour,
+            own.filter_map(|point| Some((scale.place(point)?, of(point)?)))
+                .collect(),
+        )
     };
     let series: Vec<Series> = if axes.len() == 1 {
         let sources = points.iter().find_map(|point| point.levels.as_ref());
@@ -342,46 +340,65 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         own.chain([line("total", BLACK, &|point| point.total_db, None)])
             .collect()
     } else {
-        let mut others: Vec<&[String]> = points.iter().map(|point| &point.values[1..]).collect();
-        others.sort();
-        others.dedup();
+        let mut others: Vec<&[String]> = Vec::new();
+        for point in points.iter().filter(|point| point.values.len() > 1) {
+            if !others.contains(&&point.values[1..]) {
+                others.push(&point.values[1..]);
+            }
+        }
         let total = |point: &SweptPoint| point.total_db;
         let own = others.iter().enumerate();
         own.map(|(index, others)| line(&others.join(", "), index % BLACK, &total, Some(others)))
             .collect()
     };
-    let across = || Axis::categories(axes.first().map_or("", |axis| axis.key.as_str()), "", names.clone());
     let mut panels = vec![Panel {
-        x: across(),
+        x: scale.axis(),
         y: Axis::levels("L_{WA,1s}", "dB", 45.0, &series),
         height: 80,
         series,
     }];
-    // Bars of the total for each of the other values would lie on each other.
+    // Bars of the total for each of the other values would overlap.
     if axes.len() == 1 && points.iter().any(|point| point.drawn.is_some()) {
         let sources = points.iter().find_map(|point| point.drawn.as_ref());
-        let sources = sources.into_iter().flatten().enumerate();
-        let series = sources.map(|(index, source)| {
-            let level = |point: &'_ SweptPoint| Some((place(point)?, point.drawn.as_ref()?.get(index)?.level_db));
-            let rows: Vec<(usize, Quantiles)> = points.iter().filter_map(level).collect();
-            let rows: Vec<(usize, &Quantiles)> = rows.iter().map(|(place, own)| (*place, own)).collect();
-            let colour = match source.source.as_str() {
+        let names: Vec<&str> = sources.into_iter().flatten().map(|own| own.source.as_str()).collect();
+        let of = |index: usize, name: &str, quantiles: &dyn Fn(&Change) -> Quantiles| {
+            let own = points
+                .iter()
+                .filter_map(|point| Some((scale.place(point)?, quantiles(point.drawn.as_ref()?.get(index)?))));
+            let colour = match name {
                 "total" => BLACK,
                 name => in_palette(name, index),
             };
-            whiskers(&source.source, colour, &rows)
-        });
-        let series: Vec<Series> = series.collect();
+            scale.intervals(name, colour, own.collect())
+        };
+        let named = names.iter().enumerate();
+        let series: Vec<Series> = named
+            .clone()
+            .flat_map(|(index, name)| of(index, name, &|own| own.level_db))
+            .collect();
         panels.push(Panel {
-            x: across(),
+            x: scale.axis(),
             y: axis_of_levels(&series, SHOWN),
             height: 80,
+            series,
+        });
+        let total = named.filter(|(_, name)| **name == "total");
+        let series: Vec<Series> = total
+            .flat_map(|(index, _)| of(index, "total", &|own| own.change_db))
+            .collect();
+        let ends = series
+            .iter()
+            .flat_map(|own| own.y.iter().chain(lower_ends(own)).copied());
+        panels.push(Panel {
+            y: Axis::holding("Change from the first point", "dB", ends.chain([0.0])),
+            x: scale.axis(),
+            height: 60,
             series,
         });
     }
     let over_draws = match panels.len() {
         1 => "",
-        _ => " Below: 90 % of the common draws lie in the bar, half below its line.",
+        _ => " Below: 90 % of the common draws lie in the pale area, half below its line.",
     };
     Chart {
         name: "sweep".to_owned(),
@@ -390,5 +407,96 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         caption: format!("A-weighted single-event sound power levels over the values, dB re 1 pW s.{over_draws}"),
         panels,
         events: Vec::new(),
+    }
+}
+
+/// The horizontal axis of a sweep.
+enum Scale<'a> {
+    /// Values one after the other.
+    Categories { label: &'a str, names: &'a [String] },
+    /// Numbers in one unit.
+    Numbers { label: String, values: Vec<f64> },
+}
+
+impl<'a> Scale<'a> {
+    fn of(axis: Option<&'a SweepAxis>) -> Self {
+        let (label, names) = axis.map_or(("", &[][..]), |axis| (axis.key.as_str(), axis.values.as_slice()));
+        let numbers = names.iter().map(|name| number_and_unit(name));
+        let numbers: Vec<(f64, String)> = numbers.collect::<Result<_, _>>().unwrap_or_default();
+        let units = numbers.iter().all(|(_, unit)| *unit == numbers[0].1);
+        match numbers.first() {
+            Some((_, unit)) if units && numbers.len() > 1 => Self::Numbers {
+                label: if unit.is_empty() {
+                    label.to_owned()
+                } else {
+                    format!("{label} ({unit})")
+                },
+                values: numbers.into_iter().map(|(number, _)| number).collect(),
+            },
+            _ => Self::Categories { label, names },
+        }
+    }
+
+    fn axis(&self) -> Axis {
+        match self {
+            Self::Categories { label, names } => Axis::categories(*label, "", names.to_vec()),
+            Self::Numbers { label, values } => Axis::holding(label, "", values.iter().copied()),
+        }
+    }
+
+    /// Place of a point on the axis.
+    fn place(&self, point: &SweptPoint) -> Option<f64> {
+        let value = point.values.first()?;
+        match self {
+            Self::Categories { names, .. } => Some(names.iter().position(|name| name == value)? as f64),
+            Self::Numbers { .. } => Some(number_and_unit(value).ok()?.0),
+        }
+    }
+
+    fn series(&self, name: &str, colour: usize, mut points: Vec<(f64, f64)>) -> Series {
+        match self {
+            Self::Categories { names, .. } => {
+                let of = |place: usize| points.iter().find(|own| own.0 == place as f64).map(|own| own.1);
+                Series::over(name, colour, Shape::Steps, (0..names.len()).map(of))
+            }
+            Self::Numbers { .. } => {
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                Series {
+                    x: points.iter().map(|own| own.0).collect(),
+                    y: points.iter().map(|own| own.1).collect(),
+                    ..Series::over(name, colour, Shape::Line, [])
+                }
+            }
+        }
+    }
+
+    /// Medians with the range from P5 to P95.
+    fn intervals(&self, name: &str, colour: usize, mut rows: Vec<(f64, Quantiles)>) -> Vec<Series> {
+        if let Self::Categories { .. } = self {
+            let rows: Vec<(usize, &Quantiles)> = rows.iter().map(|(place, own)| (*place as usize, own)).collect();
+            return vec![whiskers(name, colour, &rows)];
+        }
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let value = |estimate: &Estimate| estimate.value.unwrap_or(f64::NAN);
+        let of = |end: &dyn Fn(&Quantiles) -> f64| rows.iter().map(|(_, own)| end(own)).collect::<Vec<f64>>();
+        let x: Vec<f64> = rows.iter().map(|(x, _)| *x).collect();
+        let series = |name: &str, shape: Shape, y: Vec<f64>| Series {
+            x: x.clone(),
+            y,
+            ..Series::over(name, colour, shape, [])
+        };
+        vec![
+            series(name, Shape::Line, of(&|own| value(&own.p50))),
+            series("", Shape::Band(of(&|own| value(&own.p05))), of(&|own| value(&own.p95))),
+        ]
+    }
+}
+
+/// Lower ends of bars and areas.
+fn lower_ends(series: &Series) -> Vec<&f64> {
+    match &series.shape {
+        Shape::Whiskers(ends) => ends.iter().flatten().collect(),
+        Shape::Band(lower) => lower.iter().collect(),
+        _ => Vec::new(),
     }
 }

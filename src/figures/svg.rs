@@ -1,6 +1,7 @@
-//! Charts as SVG files for print: as wide as the text of a page (180 mm), 8 pt type, lines of 1 pt, as journals ask.
+//! Charts as SVG files for print, as journals require: 180 mm wide (the text width of a page), with 8 pt type and 1 pt
+//! lines.
 //!
-//! Curves, bars and ticks are those of the pages; only their frame and their texts are set here.
+//! Curves, bars and ticks are the same as on pages; only the frame and the texts are laid out here.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -9,28 +10,28 @@ use super::palette::hexadecimal;
 use super::path::{Frame, RowBar, row_bars, sharing};
 use super::ticks::{Tick, WIDE, across, rows, upwards};
 
-/// Units of length in a millimetre.
+/// Units of length per millimetre.
 const MM: f64 = 20.0;
 const WIDTH: f64 = 180.0 * MM;
-/// Margin at the right.
+/// Right margin.
 const RIGHT: f64 = 4.0 * MM;
-/// Height of 8 pt type, its mean width, and the height of a line of it.
+/// Height of 8 pt type, mean width of its characters, and line height.
 const TYPE: f64 = 56.0;
 const LETTER: f64 = 0.53 * TYPE;
 const LEADING: f64 = 87.0;
-/// Height of the heading, of the space over a legend, of the numbers of an axis, and of its title.
+/// Heights of the heading, of the space above a legend, of the numbers on an axis, and of its title.
 const HEADING: f64 = 8.0 * MM;
 const GAP: f64 = 3.0 * MM;
 const NUMBERS: f64 = 5.0 * MM;
 const TITLE: f64 = 6.0 * MM;
-/// Room left of a vertical axis of numbers, and most room left of one of categories.
+/// Space left of a vertical axis of numbers, and maximum space left of one of categories.
 const LEFT: f64 = 17.0 * MM;
 const MOST_LEFT: f64 = 80.0 * MM;
-/// Length of a sample in a legend, its distance from the text, and distance of the entries.
+/// Length of a sample in a legend, its distance from the text, and distance between entries.
 const SAMPLE: f64 = 6.0 * MM;
 const SAMPLE_GAP: f64 = 1.5 * MM;
 const ENTRY_GAP: f64 = 5.0 * MM;
-/// Width of the symbol of an event, and height of a row of them.
+/// Width of the symbol of an event, and height of a row of symbols.
 const SYMBOL: f64 = 4.5 * MM;
 const SYMBOLS: f64 = 3.5 * MM;
 
@@ -39,9 +40,9 @@ const QUIET: &str = "#666666";
 const PALE: &str = "#B8B8B8";
 const FAINT: &str = "#E3E3E3";
 
-/// Place of a panel on the sheet, from the top.
+/// Position of a panel on the sheet, from the top.
 struct Place {
-    /// Letter of the panel; none for a single one.
+    /// Letter of the panel; `None` for a single panel.
     letter: Option<char>,
     /// Upper edge of the panel, and of the axes.
     top: f64,
@@ -50,7 +51,7 @@ struct Place {
     left: f64,
     /// Size of the axes.
     frame: Frame,
-    /// Whether the horizontal axis has its title; otherwise it is that of the panel below.
+    /// Whether the horizontal axis has its title; otherwise the panel below has it.
     titled: bool,
 }
 
@@ -200,7 +201,7 @@ impl Place {
             let [top, height] = [pitch * (row as f64 + 0.1 + 0.8 * place / shared), 0.76 * pitch / shared];
             let [from, to] = bar.ends.map(|end| end * wide);
             html! {
-                // A bar without length is as wide as a line.
+                // A bar of zero length is as wide as a line.
                 rect x=(from) y=(top) width=((to - from).max(4.0)) height=(height) fill=(hexadecimal(bar.colour)) {}
                 @if let Some(mark) = bar.mark {
                     path stroke=(INK) stroke-width="4" d={ "M" (mark * wide) " " (top) "v" (height) } {}
@@ -229,7 +230,7 @@ impl Panel {
     }
 }
 
-/// Room left of the vertical axis: for its title, and for its numbers or the names of its categories.
+/// Space left of the vertical axis, for its title and its numbers or the names of its categories.
 fn left(panel: &Panel) -> f64 {
     let letters = panel
         .y
@@ -241,7 +242,8 @@ fn left(panel: &Panel) -> f64 {
         .map_or(LEFT, |most| (7.0 * MM + LETTER * most as f64).clamp(LEFT, MOST_LEFT))
 }
 
-/// Ticks of the vertical axis: a printed page is seen from nearby, so that they are denser than on the screen.
+/// Ticks of the vertical axis; they are denser than on the screen, because a printed page is read at a shorter
+/// distance.
 fn ticks(panel: &Panel) -> Vec<Tick> {
     upwards(&panel.y, panel.pixels() * 3 / 2)
 }
@@ -266,7 +268,7 @@ fn legend(panel: &Panel) -> Legend {
     }
 }
 
-/// Events with their places on the axis, as parts of its length.
+/// Events with their positions on the axis, as fractions of its length.
 fn placed<'a>(events: &'a [Event], panel: &Panel) -> Vec<(&'a Event, f64)> {
     let [low, high] = panel.x.range;
     let events = events.iter().map(|event| (event, (event.at - low) / (high - low)));

@@ -1,18 +1,18 @@
-//! Ticks of axes, for wide and for narrow windows; a printed chart is as wide as a wide window.
+//! Ticks of axes for wide and narrow windows; a printed chart is as wide as a wide window.
 
 use super::chart::Axis;
 
-/// Narrowest plot of a wide and of a narrow window \[px\]: labels that fit there fit in all others.
+/// Minimum plot width in a wide and in a narrow window \[px\]; labels that fit there always fit.
 pub(crate) const WIDE: f64 = 600.0;
 const NARROW: f64 = 270.0;
 
-/// Width of a character of a label, and distance of labels \[px\].
+/// Width of a character in a label, and distance between labels \[px\].
 const DIGIT: f64 = 6.7;
 const APART: f64 = 9.0;
 
-/// A place on an axis with its label.
+/// A tick on an axis, with its label.
 pub(crate) struct Tick {
-    /// Distance from the start of the axis, as part of its length.
+    /// Distance from the start of the axis, as a fraction of its length.
     pub(crate) at: f64,
     /// Its label.
     pub(crate) label: String,
@@ -39,7 +39,7 @@ fn round(range: [f64; 2], count: usize) -> Vec<(f64, String)> {
     (first..=last).map(tick).collect()
 }
 
-/// Ticks of a horizontal axis: labels that do not touch each other.
+/// Ticks of a horizontal axis, with labels that do not overlap.
 pub(crate) fn across(axis: &Axis) -> Vec<Tick> {
     let [low, high] = axis.range;
     let of = |value: f64| (value - low) / (high - low);
@@ -52,7 +52,7 @@ pub(crate) fn across(axis: &Axis) -> Vec<Tick> {
         let middle = |place: &usize| (of(*place as f64 + 0.5), axis.categories[*place].clone());
         axis.ticks.iter().map(middle).collect()
     };
-    // The labels of every so many of them do not touch.
+    // The labels at this stride do not overlap.
     let stride = |width: f64| {
         let room = |stride: &usize| {
             let shown: Vec<&(f64, String)> = all.iter().step_by(*stride).collect();
@@ -64,7 +64,7 @@ pub(crate) fn across(axis: &Axis) -> Vec<Tick> {
         (1..=all.len()).find(room).unwrap_or(1)
     };
     let [wide, narrow] = [stride(WIDE), stride(NARROW)];
-    // Labels of a narrow window are among those of a wide one.
+    // Labels in a narrow window are a subset of those in a wide one.
     let narrow = narrow.div_ceil(wide) * wide;
     let shown = all.into_iter().enumerate().filter(|(place, _)| place % wide == 0);
     shown
@@ -89,7 +89,7 @@ pub(crate) fn upwards(axis: &Axis, height: u32) -> Vec<Tick> {
         .collect()
 }
 
-/// Rows for labels at these places, parts of the axis, so that none touches another of its row: in a wide and in a
+/// Rows for labels at these positions (fractions of the axis) so that labels in a row do not overlap, for a wide and a
 /// narrow window.
 pub(crate) fn rows(places: &[f64], label: f64) -> Vec<[usize; 2]> {
     let in_width = |width: f64| {

@@ -1,4 +1,4 @@
-//! A design turned into things: the support of its workpiece and its sources of sound.
+//! The model of a design: the support of its workpiece and its sources of sound.
 
 pub mod sources;
 pub(crate) mod supports;

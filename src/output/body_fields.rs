@@ -1,12 +1,13 @@
-//! `modes.csv` and `fields/*`: the bodies in motion, for ParaView.
+//! `modes.csv` and `fields/*`: the moving bodies, for ParaView.
 
-use nailnoise_dynamics::{CycleRecord, Events};
+use nailnoise_dynamics::network::EventTime;
 use nailnoise_meshes::vtu::{Frames, Grid};
 use serde::Serialize;
 
 use super::film::Fields;
 use super::{Output, fields, modes, shot};
 use crate::error::Error;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
@@ -16,11 +17,11 @@ pub(super) const MODES: Output = Output::of_bodies("modes.csv");
 /// Vibration of the bodies, with films on request.
 pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 
-/// Files of the bodies of a shot: `modes.csv`, and for ParaView `fields/*`, with the films on request.
+/// Files of the bodies in a shot: `modes.csv`, and `fields/*` for ParaView, with films on request.
 ///
 /// # Errors
 /// Those of the bodies' response.
-fn made(moving: &[BodyInMotion], events: &Events, films: bool) -> Result<Fields, Error> {
+fn made(moving: &[BodyInMotion], events: &[EventTime], films: bool) -> Result<Fields, Error> {
     let mut made = Fields::default();
     made.text("modes.csv", modes::modes(moving)?);
     for driven in moving {
@@ -33,13 +34,13 @@ fn made(moving: &[BodyInMotion], events: &Events, films: bool) -> Result<Fields,
     Ok(made)
 }
 
-/// Makes the files of the bodies in motion: their modes, and their vibration for ParaView.
+/// Makes the files of the moving bodies: their modes, and their vibration for ParaView.
 #[derive(Serialize)]
 pub struct BodyFields {
     /// The bodies.
     pub moving: Vec<MovingBody>,
     /// The cycle, whose events the films show.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Whether films of the shot and series over the bands are among the files.
     pub films: bool,
 }

@@ -1,11 +1,11 @@
-//! Every history of a cycle by name and unit, for files that list them.
+//! Every history of a cycle with its name and unit, for files that list them.
 
 use nailnoise_dynamics::{Body, CycleRecord, ExhaustFlow, Forces, Motion, VentFlow, Volume};
 
 /// One history.
 #[derive(Debug, Clone)]
 pub struct Column<'a> {
-    /// Name, words joined by underscores.
+    /// Name: words joined by underscores.
     pub name: String,
     /// SI unit, as written in a header.
     pub unit: &'static str,
@@ -13,7 +13,7 @@ pub struct Column<'a> {
     pub values: &'a [f64],
 }
 
-/// The columns of a group of the record. The pattern names all fields of the group, so that a history without a column
+/// The columns of a group of the record. The pattern lists all fields of the group, so that a history without a column
 /// does not compile. `flags` are fields that are not quantities.
 macro_rules! group {
     ($group:expr, $type:ident { $($field:ident: $name:expr, $unit:literal;)* } $(flags $($flag:ident),*)?) => {{
@@ -87,12 +87,12 @@ fn vent(own: &VentFlow) -> Vec<Column<'_>> {
     })
 }
 
-/// Columns that later versions added: they come last, because the order of the columns is an interface.
+/// Columns added in later versions come last, because the order of the columns is an interface.
 const ADDED: [&str; 2] = ["magazine_force", "thrust_force"];
 
-/// All histories of a record, in the order in which a reader would look for them: motion, gas, forces, flow.
+/// All histories of a record, in the order motion, gas, forces, flow.
 pub fn columns(record: &CycleRecord) -> Vec<Column<'_>> {
-    // A new group of histories does not compile until it has its columns.
+    // A new group of histories does not compile until it has columns.
     let CycleRecord {
         piston,
         head_valve,

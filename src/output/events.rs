@@ -32,14 +32,14 @@ pub const EVENT_NAMES: [&str; 19] = [
     "piston at rest on the stopper",
 ];
 
-/// An event, given as "t12", with its name.
+/// An event, given as "t12", with its description.
 pub fn event_name(number: &str) -> String {
     let index = number.strip_prefix('t').and_then(|index| index.parse::<usize>().ok());
     let name = index.and_then(|index| EVENT_NAMES.get(index));
     name.map_or_else(|| number.to_owned(), |name| format!("{number} {name}"))
 }
 
-/// Symbol, description, time. An event that does not occur has an empty time.
+/// Symbol, description, time. The time of an event that does not occur is empty.
 fn rows(record: &CycleRecord, _: Exports) -> Result<Vec<u8>, Error> {
     let times = record.events.to_array();
     let rows = times.iter().zip(EVENT_NAMES).enumerate();

@@ -14,20 +14,20 @@ use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::BodyInMotion;
 
-/// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, are at this floor.
+/// Range of levels shown below the highest of a field \[dB\]; clamped points, which do not move, are at this floor.
 const SHOWN: f64 = 60.0;
 
 /// Reference of velocity exposure levels: (50 nm/s)^2 over 1 s \[m2/s\] (ISO 1683).
 const REFERENCE: f64 = 50e-9 * 50e-9;
 
-/// Adds `BODY.vtu`: on every point of the body's surface the velocity exposure level of the shot in octave bands,
+/// Adds `BODY.vtu`: at every point of the body's surface, the velocity exposure level of the shot in octave bands,
 ///
 /// ```text
 /// L_vE = 10 lg( 2 int |v(f)|^2 df / ((50 nm/s)^2 x 1 s) )
 /// ```
 ///
-/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And, as
-/// a `film`, the same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
+/// with the velocity vector v from the coherent sum of all modes; no lower than 60 dB below the highest point. With
+/// `film`, also adds the same as a series over the bands that ParaView steps through, `BODY-bands.pvd`.
 pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, film: bool) {
     let (body, spectra) = (&driven.body, &driven.motion.spectra);
     let factor = |octave: &Band| Some((octave.nominal_hz(), factor(spectra, [octave.low, octave.high])?));
@@ -57,8 +57,8 @@ pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, film: bool) {
     fields.series(&format!("{}-bands", body.name), bands().map(of_band).collect());
 }
 
-/// The covariance C of the modal velocities, so that 2 int |v|^2 df over a band is phi^T C phi \[m2/s\]; none if the
-/// analysed range does not contain the band.
+/// Factor of the covariance C of the modal velocities, so that 2 int |v|^2 df over a band is phi^T C phi \[m2/s\];
+/// `None` if the analysed range does not contain the band.
 fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
     let first = spectra.frequency.iter().find(|hz| (low..high).contains(hz))?;
     if *first > low * 1.1 || spectra.range_hz[1] < high {
@@ -80,7 +80,7 @@ pub(super) fn write_modes(
         let shape = Field {
             name: "mode shape [kg^-1/2]",
             components: 3,
-            // Columns of a matrix that owns its values are contiguous.
+            // The columns of a matrix that owns its values are contiguous.
             values: shapes.column(index).data.into_slice(),
         };
         staging.write(&folder.join(&file), &grid.to_bytes(&[shape], &[])?)?;

@@ -4,7 +4,7 @@ use super::{File, Output, RunView};
 use crate::error::Error;
 use crate::figures;
 
-/// Charts of the levels and of the power, on request.
+/// Charts of levels and power, on request.
 pub(super) const FIGURES: Output = Output::files("figures/*.svg", charts).only_if(|of| of.exports.figures);
 
 fn charts(of: &RunView<'_>) -> Result<Vec<File>, Error> {

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// The folder of the fields in that of a run.
+/// Name of the fields' folder in the folder of a run.
 pub(super) const FIELDS: &str = "fields";
 
-/// A file by its path in the folder of a run.
+/// A file with its path in the folder of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct File {
     /// The path.
     pub path: PathBuf,
-    /// The bytes of the file.
+    /// The content of the file.
     #[serde(with = "serde_bytes")]
     pub content: Vec<u8>,
 }

@@ -1,7 +1,7 @@
-//! The fields of a shot in the form of the inputs of their files: surfaces once, and the values of each file.
+//! The fields of a shot as data from which their files are rendered: each surface once, and the values of each file.
 //!
-//! More than half of the files' bytes are the surface they share, which a reader wants in each of them. The record that
-//! is stored from run to run has it once, compressed, and every file is restored from it to the byte.
+//! More than half of the bytes in the files describe the surface that they share, which readers want in each of them.
+//! The stored record contains it once, compressed, and every file is restored from it exactly.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub struct Fields {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Content {
     Text(Vec<u8>),
-    /// A surface, by its place among the grids, with point fields.
+    /// A surface, given by its index among the grids, with point fields.
     Frame {
         grid: usize,
         fields: Vec<Array>,
@@ -29,12 +29,12 @@ enum Content {
 }
 
 impl Fields {
-    /// How many files there are.
+    /// Number of files.
     pub fn len(&self) -> usize {
         self.files.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no files.
     pub fn is_empty(&self) -> bool {
         self.files.is_empty()
     }
@@ -44,10 +44,10 @@ impl Fields {
         &self.files[file].0
     }
 
-    /// Renders a file into memory whose former content is lost.
+    /// Renders a file into memory, whose previous content is lost.
     ///
     /// # Errors
-    /// [`Error::Mesh`] where a field has not as many values as its surface has points.
+    /// [`Error::Mesh`] if the number of values in a field differs from the number of points of its surface.
     pub fn render(&self, file: usize, bytes: &mut Vec<u8>) -> Result<(), Error> {
         bytes.clear();
         match &self.files[file].1 {
@@ -57,24 +57,24 @@ impl Fields {
         Ok(())
     }
 
-    /// Adds a surface that later frames show.
+    /// Adds a surface for the frames that follow.
     pub(super) fn show(&mut self, grid: Frames) {
         self.grids.push(grid);
     }
 
-    /// Adds a text.
+    /// Adds a text file.
     pub(super) fn text(&mut self, path: impl Into<PathBuf>, text: impl Into<Vec<u8>>) {
         self.files.push((path.into(), Content::Text(text.into())));
     }
 
-    /// Adds a file of the surface shown last, by its path in the folder of the fields.
+    /// Adds a file with the surface added last; `path` is relative to the folder of the fields.
     pub(super) fn frame(&mut self, path: &str, fields: Vec<Array>) {
         let grid = self.grids.len() - 1;
         self.files
             .push((Path::new(FIELDS).join(path), Content::Frame { grid, fields }));
     }
 
-    /// Adds frames of one field over time or frequency, `NAME/*.vtu`, and the list of them, `NAME.pvd`.
+    /// Adds frames of one field over time or frequency, `NAME/*.vtu`, and `NAME.pvd`, which lists them.
     pub(super) fn series(&mut self, name: &str, frames: Vec<(f64, String, Array)>) {
         let mut listed = Vec::with_capacity(frames.len());
         for (at, file, values) in frames {

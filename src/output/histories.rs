@@ -10,7 +10,7 @@ use crate::error::Error;
 /// Histories of the cycle.
 pub(super) const HISTORIES: Output = Output::of_cycle("histories.csv", rows);
 
-/// Time and every history of the cycle; all samples and digits, or every so many samples and seven digits.
+/// Time and every history of the cycle: all samples and digits, or samples at a coarser interval with seven digits.
 fn rows(record: &CycleRecord, exports: Exports) -> Result<Vec<u8>, Error> {
     let columns = columns(record);
     let titles = columns

@@ -1,4 +1,4 @@
-//! `intervals.csv`: levels of the sources between neighbouring events.
+//! `intervals.csv`: levels of the sources between adjacent events.
 
 use nailnoise_acoustics::signals::energy_level;
 
@@ -11,8 +11,8 @@ use crate::result::IntervalLevel;
 /// Levels between events.
 pub(super) const INTERVALS: Output = Output::of_run("intervals.csv", rows);
 
-/// The energy-additive level of each source and of all together, and that of the signal cut at the events. Silence is
-/// empty.
+/// For each source and the sum of all: the energy-additive level, and the level of the signal cut at the events.
+/// Silence gives an empty field.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let sources = in_order(&of.run.result);
     let header = ["from", "to", "from [s]", "to [s]"].map(str::to_owned);

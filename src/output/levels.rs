@@ -11,7 +11,8 @@ use crate::result::BandLevel;
 /// Levels in bands.
 pub(super) const LEVELS: Output = Output::of_run("levels.csv", rows);
 
-/// One-third-octave bands by sources and of all together, unweighted and A-weighted. Silence is empty.
+/// One-third-octave bands of each source and of the sum of all, unweighted and A-weighted. Silence gives an empty
+/// field.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let sources = in_order(&of.run.result);
     let bands = sources.first().map_or(&[][..], |source| &source.bands);

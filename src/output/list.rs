@@ -3,6 +3,7 @@
 use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
+use super::network::of_network;
 use super::{Exports, File, Output, RunView, Writer};
 use super::{body_fields, paraview, transducers};
 use super::{
@@ -10,6 +11,7 @@ use super::{
     sensors,
 };
 use crate::error::Error;
+use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 /// Every output of a run.
 pub const OUTPUTS: [Output; 24] = [
@@ -39,11 +41,22 @@ pub const OUTPUTS: [Output; 24] = [
     figures::FIGURES,
 ];
 
-/// Files of a cycle, which need no source.
+/// Files of a cycle, for which no source is needed.
 ///
 /// # Errors
 /// [`Error::Table`] where a table is not rectangular.
-pub fn of_cycle(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Error> {
+pub fn of_cycle(shot: &ShotRecord, exports: Exports) -> Result<Vec<File>, Error> {
+    match &shot.record {
+        EngineRecord::Keys(record) => of_keys(record, exports),
+        EngineRecord::Assembly(record) => of_network(record, exports),
+    }
+}
+
+/// Files of a cycle of the tool of the keys.
+///
+/// # Errors
+/// [`Error::Table`] where a table is not rectangular.
+pub fn of_keys(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Error> {
     let files = OUTPUTS.par_iter().filter_map(|output| match output.writer {
         Writer::Cycle(write) => Some(write(record, exports).map(|bytes| File::new(output.name, bytes))),
         _ => None,
@@ -51,10 +64,10 @@ pub fn of_cycle(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Err
     files.collect()
 }
 
-/// Files of a run that no study changes, other than those of its cycle and its bodies.
+/// Files of a run that no study affects, other than those of its cycle and bodies.
 ///
 /// # Errors
-/// Those of the sensors' spectra and of sound files.
+/// The errors of the sensors' spectra and of sound files.
 pub fn of_run(view: &RunView<'_>) -> Result<Vec<File>, Error> {
     let own = |output: &&Output| (output.condition)(view);
     let files = OUTPUTS.par_iter().filter(own).map(|output| match output.writer {

@@ -9,7 +9,7 @@ use crate::error::Error;
 /// The log of the shot.
 pub(super) const LOG: Output = Output::of_cycle("log.csv", rows);
 
-/// Everything that happened, with the state at that instant.
+/// All log entries, with the state at that instant.
 fn rows(record: &CycleRecord, _: Exports) -> Result<Vec<u8>, Error> {
     let header = [
         "time [s]",

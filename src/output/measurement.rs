@@ -10,8 +10,8 @@ use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasuredBand, MeasuredInterval, MeasurementResult};
 use crate::measurement::wrapping::Role;
 
-/// The corrected signals of a shot as a sound file with a channel for each microphone: its path, its bytes, its full
-/// scale \[Pa\].
+/// The corrected signals of a shot as a sound file with a channel for each microphone: path, content and full scale
+/// \[Pa\].
 ///
 /// # Errors
 /// [`Error::Write`] if the file cannot store them.
@@ -35,7 +35,7 @@ pub fn corrected_signal(shot: &CorrectedShot) -> Result<(PathBuf, Vec<u8>, f64),
 /// scale of each sound file \[Pa\].
 ///
 /// # Errors
-/// Those of the tables.
+/// The errors of the tables.
 pub fn tables(result: &MeasurementResult, signals: &[(PathBuf, f64)]) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
     Ok(vec![
         ("levels.csv", levels(result)?),

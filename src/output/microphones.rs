@@ -13,13 +13,13 @@ use crate::stages::microphones::SAMPLE_RATE;
 /// Levels at each microphone.
 pub(super) const LEVELS: Output = Output::of_run("microphones.csv", |of| levels(report(of)));
 
-/// Band powers by the microphones, beside the radiated ones.
+/// Band powers from the microphones, next to the radiated ones.
 pub(super) const BANDS: Output = Output::of_run("microphones-bands.csv", |of| bands(report(of)));
 
-/// Content of the sound files in words.
+/// Description of the sound files.
 pub(super) const NOTE: Output = Output::of_run("microphones/about.txt", |of| Ok(note(report(of)).into_bytes()));
 
-/// Sound of each source at each microphone: mono, 48 kHz, 24 bits, full scale as the table states.
+/// Sound of each source at each microphone: mono, 48 kHz, 24 bits; the table states the full scale.
 pub(super) const SOUNDS: Output = Output::files("microphones/*.wav", |of| {
     let microphones = 0..report(of).positions_m.len();
     Ok(microphones
@@ -32,7 +32,7 @@ fn report<'a>(of: &RunView<'a>) -> &'a MicrophoneReport {
     &of.run.microphones.report
 }
 
-/// The sound files of all sources at a microphone, counted from 0.
+/// The sound files of all sources at one microphone, counted from 0.
 ///
 /// # Errors
 /// [`Error::Write`] if a file cannot store the samples.
@@ -56,7 +56,7 @@ fn sound(source: &str, microphone: usize) -> PathBuf {
     format!("microphones/{source}-{}.wav", microphone + 1).into()
 }
 
-/// Frequency above which a source in the sum of all is synthetic \[Hz\].
+/// Frequency above which any source in the sum of all is synthetic \[Hz\].
 fn synthetic_from(report: &MicrophoneReport) -> Option<f64> {
     report
         .sources
@@ -65,7 +65,7 @@ fn synthetic_from(report: &MicrophoneReport) -> Option<f64> {
         .reduce(f64::min)
 }
 
-/// Content of the sound files, in words next to them.
+/// Description of the sound files, written next to them.
 fn note(report: &MicrophoneReport) -> String {
     let [low, high] = report.range_hz;
     let mut text = format!(
@@ -135,7 +135,7 @@ fn levels(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
     table(header, rows)
 }
 
-/// Bands by the array and radiated, source by source.
+/// Bands from the array and radiated, for each source.
 fn bands(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
     let rows = report.sources.iter().flat_map(|received| {
         received.bands.iter().map(|band| {

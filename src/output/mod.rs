@@ -44,7 +44,7 @@ pub use columns::{Column, columns};
 pub use events::{EVENT_NAMES, event_name};
 pub use file::File;
 pub use film::Fields;
-pub use list::{OUTPUTS, of_cycle, of_run, of_study};
+pub use list::{OUTPUTS, of_cycle, of_keys, of_run, of_study};
 pub use microphones::sounds;
 pub use modal_shapes::{write_modes, write_motion, write_universal};
 pub use network::of_network;
@@ -77,19 +77,19 @@ pub struct Output {
 /// How the files of an output are made.
 #[derive(Clone, Copy)]
 pub enum Writer {
-    /// One file of the cycle alone, made while the sources are computed.
+    /// One file of the cycle, made while the sources are computed.
     Cycle(fn(&CycleRecord, Exports) -> Result<Vec<u8>, Error>),
-    /// One file of a run, which no study changes.
+    /// One file of a run that no study affects.
     Run(fn(&RunView<'_>) -> Result<Vec<u8>, Error>),
-    /// Several files of a run, which no study changes.
+    /// Several files of a run that no study affects.
     Files(fn(&RunView<'_>) -> Result<Vec<File>, Error>),
-    /// One file of a run that shows its study, made again when that is known.
+    /// One file of a run that shows its study; made again when the study is known.
     Study(fn(&RunView<'_>) -> Result<Vec<u8>, Error>),
-    /// Files of the stage [`BodyFields`], which are stored once for all runs whose bodies move alike.
+    /// Files of the stage [`BodyFields`], which are stored once for all runs with the same motion of the bodies.
     Bodies,
 }
 
-/// A run as its outputs see it.
+/// The data of a run from which its outputs are made.
 pub struct RunView<'a> {
     /// The design.
     pub design: &'a Design,
@@ -97,7 +97,7 @@ pub struct RunView<'a> {
     pub run: &'a Run,
     /// The files on request.
     pub exports: Exports,
-    /// Makes the report, which also shows pictures of the bodies.
+    /// Makes the report, which also contains pictures of the bodies.
     pub report: &'a (dyn Fn() -> String + Sync),
 }
 
@@ -130,7 +130,7 @@ impl Output {
         Self::new(name, Writer::Bodies)
     }
 
-    /// The same for runs that meet a condition.
+    /// The same output, only for runs that meet a condition.
     const fn only_if(self, condition: fn(&RunView<'_>) -> bool) -> Self {
         Self { condition, ..self }
     }

@@ -26,7 +26,7 @@ pub fn write_modes(staging: &AtomicWrite, body: &Body, shapes: &DMatrix<f64>) ->
 /// Writes one period of mode `mode` (from 0) of a body to `modes/BODY/`; returns the `.pvd` that plays it.
 ///
 /// # Errors
-/// [`Error::NoMode`] when there are not so many; [`Error::Write`] or [`Error::Mesh`] with the file that could not be
+/// [`Error::NoMode`] if the mode does not exist; [`Error::Write`] or [`Error::Mesh`] with the file that could not be
 /// written.
 pub fn write_motion(staging: &AtomicWrite, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let modes = body.basis.hz.len();
@@ -55,7 +55,7 @@ pub fn write_universal(
         .map(|(&hz, shape)| Mode {
             hz,
             loss_factor,
-            // Columns of a matrix that owns its values are contiguous.
+            // The columns of a matrix that owns its values are contiguous.
             shape: shape.data.into_slice(),
         })
         .collect();

@@ -4,7 +4,7 @@ use super::table::table;
 use crate::error::Error;
 use crate::stages::spectra::BodyInMotion;
 
-/// `modes.csv`: every mode of every body that takes part, rigid motions among them, with the damping of the material.
+/// `modes.csv`: every mode of every body that is included, also rigid-body modes, with the damping of the material.
 pub(super) fn modes(moving: &[BodyInMotion]) -> Result<Vec<u8>, Error> {
     let header = [
         "body",

@@ -1,4 +1,4 @@
-//! One mode in motion, for ParaView.
+//! Animation of one mode for ParaView.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -9,14 +9,15 @@ use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::stages::bodies::Body;
 
-/// Instants of a period.
+/// Number of instants in a period.
 const FRAMES: usize = 24;
 
-/// Largest displacement as a share of the body's diagonal: seen, and not yet folded.
+/// Largest displacement as a fraction of the body's diagonal: visible, but without folding the surface.
 const AMPLITUDE: f64 = 0.05;
 
-/// Writes one period of a mode, `mode-N.pvd` and a `.vtu` an instant: the surface displaced by a cos(omega t) phi, with
-/// a such that the largest displacement is a twentieth of the body, and that displacement as a vector \[m\].
+/// Writes one period of a mode as `mode-N.pvd` and one `.vtu` per instant. The surface is displaced by a cos(omega t)
+/// phi, with `a` such that the largest displacement is a twentieth of the body; this displacement is also stored as a
+/// vector \[m\].
 pub(super) fn write(staging: &AtomicWrite, folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let name = format!("mode-{:04}", mode + 1);
     let shape = body.skin.column(mode).map(f64::from);
@@ -26,7 +27,7 @@ pub(super) fn write(staging: &AtomicWrite, folder: &Path, body: &Body, mode: usi
         .fold(0.0, f64::max);
     let (low, high) = body.mesh.bounds();
     let scale = AMPLITUDE * (high - low).norm() / largest;
-    // A rigid mode does not have a period.
+    // A rigid-body mode has no period.
     let hz = if body.basis.rigid[mode] {
         1.0
     } else {

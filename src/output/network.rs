@@ -1,9 +1,9 @@
-//! Files of a cycle as a network: histories of all channels, events and log.
+//! Files of a network cycle: histories of all channels, events and log.
 
 use nailnoise_dynamics::network::Record;
 
-use super::File;
-use super::table::{numbers, optional, table};
+use super::table::{coarse, numbers, optional, table};
+use super::{Exports, File, event_name};
 use crate::error::Error;
 
 /// Name of a channel's column: block and quantity joined by an underscore, with the unit.
@@ -15,15 +15,23 @@ fn title(name: &str, unit: &str) -> String {
 ///
 /// # Errors
 /// [`Error::Table`].
-pub fn of_network(record: &Record) -> Result<Vec<File>, Error> {
+pub fn of_network(record: &Record, exports: Exports) -> Result<Vec<File>, Error> {
     let mut files = Vec::new();
     if let Some(interval) = record.interval {
+        let (stride, digits) = if exports.histories {
+            (1, 9)
+        } else {
+            (coarse(interval), 6)
+        };
         let time = |index: usize| index as f64 * interval;
         let channels = &record.channels;
         let titles = channels.iter().map(|channel| title(&channel.name, &channel.unit));
         let values: Vec<&[f64]> = channels.iter().map(|channel| &channel.values[..]).collect();
         let header = std::iter::once("time [s]".to_owned()).chain(titles);
-        files.push(File::new("histories.csv", numbers(header, (time, 7), (&values, 9), 1)?));
+        files.push(File::new(
+            "histories.csv",
+            numbers(header, (time, 7), (&values, digits), stride)?,
+        ));
         let mut header = vec!["time [s]".to_owned()];
         let mut values: Vec<&[f64]> = Vec::new();
         for opening in &record.openings {
@@ -38,7 +46,10 @@ pub fn of_network(record: &Record) -> Result<Vec<File>, Error> {
             }
         }
         if !values.is_empty() {
-            files.push(File::new("openings.csv", numbers(header, (time, 7), (&values, 9), 1)?));
+            files.push(File::new(
+                "openings.csv",
+                numbers(header, (time, 7), (&values, digits), stride)?,
+            ));
         }
     }
     let log = record.log.iter().map(|entry| {
@@ -50,10 +61,14 @@ pub fn of_network(record: &Record) -> Result<Vec<File>, Error> {
         [format!("{:.9}", entry.time), block, entry.word.to_owned()]
     });
     files.push(File::new("log.csv", table(["time [s]", "block", "word"], log)?));
-    let events = record
-        .events
-        .iter()
-        .map(|event| [event.name.clone(), optional(event.time, 9)]);
-    files.push(File::new("events.csv", table(["event", "time [s]"], events)?));
+    let events = record.events.iter().map(|event| {
+        let words = event_name(&event.name);
+        let words = words.split_once(' ').map_or("", |(_, words)| words).to_owned();
+        [event.name.clone(), words, optional(event.time, 9)]
+    });
+    files.push(File::new(
+        "events.csv",
+        table(["event", "description", "time [s]"], events)?,
+    ));
     Ok(files)
 }

@@ -10,8 +10,8 @@ use crate::stages::sound::SourceHistory;
 /// Power over time.
 pub(super) const POWER: Output = Output::of_run("power.csv", rows);
 
-/// A-weighted sound power of every source and of all together over time, mean of each cell around the time given, and
-/// the quantities of the sources there, as the screech frequency of the exhaust's jets.
+/// A-weighted sound power of every source and of the sum over time, averaged over the cell around each time, and
+/// time-dependent quantities of the sources, such as the screech frequency of the exhaust jets.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let run = of.run;
     let sources = in_order(&run.result);

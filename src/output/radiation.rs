@@ -1,4 +1,4 @@
-//! `radiation*.csv`: the power of a vibrating surface by several evaluations, and by modes.
+//! `radiation*.csv`: the power of a vibrating surface from several evaluations, and by mode.
 
 use super::table::{level, optional, table};
 use super::{File, Output, RunView};
@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::model::sources;
 use crate::result::{ModeShare, RadiationReport};
 
-/// Bands of each source whose power is evaluated twice, and modes of each that vibrates.
+/// Bands of each source whose power is evaluated twice, and modes of each source that vibrates.
 pub(super) const TABLES: Output = Output::files("radiation*.csv", |of| {
     let mut files = Vec::new();
     for source in sources::ALL {
@@ -21,7 +21,7 @@ pub(super) const TABLES: Output = Output::files("radiation*.csv", |of| {
     Ok(files)
 });
 
-/// Report next to the power of a source; none for the equivalent radiated power.
+/// Radiation report of a source; `None` for the equivalent radiated power.
 fn report_of<'a>(of: &RunView<'a>, source: &str) -> Option<&'a RadiationReport> {
     of.run
         .result
@@ -32,8 +32,8 @@ fn report_of<'a>(of: &RunView<'a>, source: &str) -> Option<&'a RadiationReport> 
         .as_ref()
 }
 
-/// One-third-octave bands by the far field, by the surface, with radiation efficiency 1, and by the limit of high
-/// frequencies if boundary elements are known too.
+/// One-third-octave bands from the far field, from the surface, with radiation efficiency 1, and from the
+/// high-frequency limit if boundary elements are known too.
 fn bands(of: &RunView<'_>, source: &str) -> Result<Vec<u8>, Error> {
     let header = [
         "band [Hz]",
@@ -50,12 +50,12 @@ fn bands(of: &RunView<'_>, source: &str) -> Result<Vec<u8>, Error> {
     table(header, rows)
 }
 
-/// Modes in that report; none for a rigid body.
+/// Modes in that report; empty for a rigid body.
 fn modes_of<'a>(of: &RunView<'a>, source: &str) -> &'a [ModeShare] {
     report_of(of, source).map_or(&[], |report| &report.modes)
 }
 
-/// Contribution of each mode to the A-weighted energy of the source, and its damping by radiation.
+/// Contribution of each mode to the A-weighted energy of the source, and its radiation damping.
 fn modes(of: &RunView<'_>, source: &str) -> Result<Vec<u8>, Error> {
     let header = [
         "body",

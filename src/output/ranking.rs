@@ -8,7 +8,7 @@ use crate::result::TOTAL;
 /// The ranking of the sources.
 pub(super) const RANKING: Output = Output::of_study("ranking.csv", rows);
 
-/// The sources, loudest first, and the total; columns of a study are empty without one.
+/// The sources, loudest first, and the total; without a study, its columns are empty.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let result = &of.run.result;
     let over_draws = |source: &str| {
@@ -22,7 +22,7 @@ fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
             level(spread.and_then(|own| own.silencing_db).map(|ends| ends[0])),
             level(spread.and_then(|own| own.silencing_db).map(|ends| ends[1])),
             result.declaration.k_db.map_or_else(String::new, |k| k.to_string()),
-            result.outcome.name().to_owned(),
+            result.outcome.clone(),
         ]
     };
     let sources = result.ranking.iter().map(|source| {

@@ -3,7 +3,7 @@
 use super::{Output, RunView};
 use crate::error::Error;
 
-/// The last file to be written: a folder with it contains all the others.
+/// The last file to be written: a folder that contains it is complete.
 pub const LAST: &str = "result.json";
 
 /// The result as JSON, which `run --json` prints.

@@ -14,7 +14,7 @@ pub(super) const HISTORIES: Output = Output::of_run("sensors.csv", histories).on
 /// Their energy spectra.
 pub(super) const SPECTRA: Output = Output::of_run("sensors-spectrum.csv", spectra).only_if(exist);
 
-/// Every sample for modal-test software, binary.
+/// All samples in binary form, for modal-test software.
 pub(super) const UNIVERSAL: Output = Output::of_run("sensors.uff", universal).only_if(exist);
 
 /// Lowest frequency of the spectra \[Hz\].

@@ -1,6 +1,6 @@
 //! The shot as a film for ParaView: velocity of each body's surface at instants around the events.
 
-use nailnoise_dynamics::Events;
+use nailnoise_dynamics::network::EventTime;
 use nailnoise_fem::vibration::{ModalResponse, Motion};
 use nailnoise_meshes::vtu::Array;
 use nalgebra::DMatrix;
@@ -10,14 +10,14 @@ use super::film::Fields;
 use crate::error::Error;
 use crate::stages::spectra::BodyInMotion;
 
-/// Instants shown after each event \[s\]: at once, and while the waves run through the body.
+/// Instants shown after each event \[s\]: immediately after it, and while the waves travel through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 
-/// Rows of the surface whose velocities are summed together.
+/// Number of surface rows whose velocities are computed together.
 const ROWS: usize = 512;
 
 /// Adds `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
-pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &Events) -> Result<(), Error> {
+pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &[EventTime]) -> Result<(), Error> {
     let (response, skin) = (&*driven.vibration.response, &driven.body.skin);
     let samples = instants(events, response);
     let mut velocities = response.at(driven.index, &samples, Motion::Velocity)?;
@@ -45,12 +45,11 @@ pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &Events) -
 }
 
 /// Samples of the response around the events, ascending, each once.
-fn instants(events: &Events, response: &ModalResponse) -> Vec<usize> {
+fn instants(events: &[EventTime], response: &ModalResponse) -> Vec<usize> {
     let last = response.samples() - 1;
     let mut samples: Vec<usize> = events
-        .to_array()
         .iter()
-        .flatten()
+        .filter_map(|event| event.time)
         .flat_map(|event| AROUND.map(|offset| ((event + offset) / response.step).round()))
         .filter(|&sample| sample >= 0.0 && sample <= last as f64)
         .map(|sample| sample as usize)

@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::stages::bodies::BodyKind;
 use crate::stages::sound_fields::Fields;
 
-/// Names the design of the fields, and lists their content.
+/// Name of the file that identifies the design of the fields and lists their content.
 const INDEX: &str = "sound.json";
 
 /// `fields/sound.json`.
@@ -26,8 +26,8 @@ struct Index {
     series: Vec<String>,
 }
 
-/// Writes the sound fields of a design to `folder/fields`, in place of those that are there: for each series `NAME.pvd`
-/// and the `.vtu` of each band, and `sound.json`, which names them.
+/// Writes the sound fields of a design to `folder/fields`, replacing any that are there: for each series, `NAME.pvd`
+/// and the `.vtu` of each band; and `sound.json`, which lists the series.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.
@@ -48,9 +48,9 @@ pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result
     staging.place(&outdated, &last)
 }
 
-/// Files and folders of the sound fields in a folder, relative to it, unless they belong to the design with this
-/// digest; and of films, unless they belong to these fields or `films` are written anew. Files from an earlier run
-/// would belong to another shot.
+/// Files and folders of outdated fields, relative to the folder. Sound fields are outdated unless they belong to the
+/// design with this digest; films, unless they belong to these fields or `films` are written anew. Files from an
+/// earlier run would belong to another shot.
 pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf> {
     let index = index_in(folder);
     if index.as_ref().is_some_and(|index| index.design == digest) {
@@ -77,10 +77,10 @@ fn index_in(folder: &Path) -> Option<Index> {
 }
 
 impl Index {
-    /// The files that it names, and itself.
+    /// The files that it lists, and itself.
     fn paths(&self) -> Vec<PathBuf> {
         let fields = Path::new(FIELDS);
-        // Anybody may have changed the file: only names of files in this folder count.
+        // Because anyone may have changed the file, only file names in this folder are accepted.
         let series = self.series.iter().filter(|name| is_file_name(name));
         let of_series = series.flat_map(|name| [fields.join(format!("{name}.pvd")), fields.join(name)]);
         of_series.chain([fields.join(INDEX)]).collect()

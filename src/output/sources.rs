@@ -3,7 +3,7 @@
 use crate::model::sources;
 use crate::result::{RankedSource, RunResult, TOTAL};
 
-/// The sources in an order that no level changes: that of their list, then others by name.
+/// The sources in an order independent of their levels: the order of their list, then others by name.
 pub(super) fn in_order(result: &RunResult) -> Vec<&RankedSource> {
     let place = |source: &&RankedSource| {
         let known = sources::names().position(|known| known == source.source);
@@ -14,7 +14,7 @@ pub(super) fn in_order(result: &RunResult) -> Vec<&RankedSource> {
     ordered
 }
 
-/// Titles of a column of each quantity for each source and the total.
+/// Column titles for each quantity of each source and of the total.
 pub(super) fn titles<const N: usize>(sources: &[&RankedSource], quantities: [&str; N]) -> Vec<String> {
     let names = sources.iter().map(|source| source.source.as_str()).chain([TOTAL]);
     names

@@ -7,17 +7,17 @@ use rayon::prelude::*;
 use super::Exports;
 use crate::error::Error;
 
-/// Rows of a long table that are written together.
+/// Number of rows of a long table that are written together.
 const BLOCK: usize = 128;
 
-/// Most bytes of a number with nine digits, its sign and its comma.
+/// Maximum length of a number with nine digits, including sign and comma \[byte\].
 const WIDTH: usize = 18;
 
-/// A table of text; fields with commas are quoted, and a text that a spreadsheet would take for a formula begins with
-/// an apostrophe, by which spreadsheets mark text.
+/// A table of text. Fields with commas are quoted, and a text that a spreadsheet would take for a formula is preceded
+/// by an apostrophe, which marks it as text.
 ///
 /// # Errors
-/// [`Error::Table`] where a row is longer or shorter than the header.
+/// [`Error::Table`] if the length of a row differs from that of the header.
 pub(crate) fn table<F, R>(
     header: impl IntoIterator<Item = F>,
     rows: impl IntoIterator<Item = R>,
@@ -40,7 +40,8 @@ where
     finished(writer)
 }
 
-/// A field that no spreadsheet computes: one that begins like a formula and is not a number gets an apostrophe.
+/// A field that no spreadsheet evaluates: one that begins like a formula and is not a number is preceded by an
+/// apostrophe.
 fn plain(field: &[u8]) -> Vec<u8> {
     let number = || std::str::from_utf8(field).is_ok_and(|text| text.trim().parse::<f64>().is_ok());
     let formula = match field {
@@ -55,24 +56,24 @@ fn plain(field: &[u8]) -> Vec<u8> {
     }
 }
 
-/// Shortest interval between the rows of a table of histories, unless it is requested in full \[s\].
+/// Shortest interval between rows in a table of histories \[s\], unless all samples are requested.
 const COARSE: f64 = 1e-5;
 
-/// Stride of samples with this interval \[s\] in such a table: only samples, without values between them.
+/// Stride that thins samples with this interval \[s\] to that of the table, without interpolation.
 pub(super) fn coarse(interval: f64) -> usize {
     (COARSE / interval - 1e-6).ceil().max(1.0) as usize
 }
 
-/// Stride of the samples of histories with this interval \[s\]: 1 if all are requested.
+/// Stride of the samples of histories with this interval \[s\]; 1 if all are requested.
 pub(super) fn stride(interval: f64, exports: Exports) -> usize {
     if exports.histories { 1 } else { coarse(interval) }
 }
 
-/// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column
-/// with so many digits after its first.
+/// A long table of numbers: for every `stride`-th row, an abscissa with a fixed number of decimals, then a value of
+/// each column with a fixed number of digits after the first.
 ///
 /// # Errors
-/// [`Error::Table`] where the header does not name each column.
+/// [`Error::Table`] if the header does not name each column.
 pub(super) fn numbers(
     header: impl IntoIterator<Item = String>,
     (abscissa, decimals): (impl Fn(usize) -> f64 + Sync, usize),
@@ -110,12 +111,12 @@ fn finished(writer: Writer<Vec<u8>>) -> Result<Vec<u8>, Error> {
     Ok(written.map_err(csv::Error::from)?)
 }
 
-/// A level to a thousandth of a decibel; empty for silence.
+/// A level with three decimals; empty for silence.
 pub(super) fn level(value: Option<f64>) -> String {
     optional(value, 3)
 }
 
-/// A number with so many decimals; empty for none.
+/// A number with a fixed number of decimals; empty for `None`.
 pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
 }

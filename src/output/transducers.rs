@@ -10,7 +10,7 @@ use crate::error::Error;
 /// Pressures over time.
 pub(super) const HISTORIES: Output = Output::of_run("transducers.csv", histories).only_if(exist);
 
-/// Every sample for modal-test software, binary.
+/// All samples in binary form, for modal-test software.
 pub(super) const UNIVERSAL: Output = Output::of_run("transducers.uff", universal).only_if(exist);
 
 fn exist(of: &RunView<'_>) -> bool {

@@ -1,4 +1,4 @@
-//! Recordings of a virtual test: sounds, sensors, and the manifest by which `nailnoise measure` reads them.
+//! Recordings of a virtual test: sounds, sensors, and the manifest from which `nailnoise measure` reads them.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -13,13 +13,13 @@ use crate::measurement::arrangement::Arrangement;
 use crate::measurement::recordings::wav::{Coding, encode};
 use crate::measurement::wrapping::Configuration;
 
-/// Voltage of the push-button below the trigger \[V\], full scale of its channel, and the threshold.
+/// Voltage of the push-button below the trigger \[V\], full scale of its channel, and threshold.
 const BUTTON: [f64; 3] = [5.0, 10.0, 2.5];
 
-/// Full scale of a sensor over the largest value of the test, at least.
+/// Minimum ratio of the full scale of a sensor to the largest value in the test.
 const HEADROOM: f64 = 2.0;
 
-/// The microphones of a shot as a sound file with a channel each, and the push-button below the trigger as the last
+/// The microphones of a shot as a sound file with one channel each, and the push-button below the trigger as the last
 /// channel.
 ///
 /// # Errors
@@ -28,7 +28,7 @@ pub fn sounds(shot: &Shot, full_scale: f64, stem: &str) -> Result<Vec<u8>, Error
     let [pressed, button_scale, _] = BUTTON;
     let at = (shot.trigger * shot.rate).round() as usize;
     let samples = shot.microphones.first().map_or(0, Vec::len);
-    // The file has one full scale for all channels.
+    // All channels of the file have the same full scale.
     let closed = pressed / button_scale * full_scale;
     let button: Vec<f64> = (0..samples).map(|n| if n < at { 0.0 } else { closed }).collect();
     let mut signals: Vec<&[f64]> = shot.microphones.iter().map(Vec::as_slice).collect();
@@ -70,7 +70,7 @@ pub struct SensorPeaks {
 }
 
 impl SensorPeaks {
-    /// Adds those of a shot.
+    /// Includes the values of a shot.
     pub fn add(&mut self, shot: &Shot) {
         let peak = |records: &[Vec<f64>]| records.iter().flatten().fold(0.0, |peak: f64, x| peak.max(x.abs()));
         self.acceleration = self.acceleration.max(peak(&shot.accelerations));
@@ -78,8 +78,8 @@ impl SensorPeaks {
     }
 }
 
-/// The manifest of a test with so many repeats of each configuration, from the full scale of the microphones \[Pa\] and
-/// the largest values of the sensors.
+/// The manifest of a test with this number of repeats of each configuration, from the full scale of the microphones
+/// \[Pa\] and the largest values of the sensors.
 pub fn manifest(
     design: &Design,
     arrangement: &Arrangement,
@@ -99,7 +99,7 @@ pub fn manifest(
     let _ = writeln!(text, "plane = {}", arrangement.plane);
     let _ = writeln!(text, "temperature = \"{} K\"", air.temperature);
     let _ = writeln!(text, "static_pressure = \"{} Pa\"", air.pressure);
-    // Recordings of dry air need no gas; a rounded constant in a design is dry air too.
+    // Recordings in dry air need no gas in the manifest; a rounded constant in a design also means dry air.
     let standard = Air::default();
     if (air.gas_constant / standard.gas_constant - 1.0).abs() > 1e-4 || air.heat_ratio != standard.heat_ratio {
         let _ = writeln!(text, "gas_constant = \"{} J/(kg K)\"", air.gas_constant);

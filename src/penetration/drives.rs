@@ -1,4 +1,4 @@
-//! `drives.csv`: a row a drive, with the name of its recording.
+//! `drives.csv`: one row per drive, with the name of its recording.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ pub const COLUMNS: [&str; 18] = [
 ];
 
 /// Domains of the numbers \[SI\]: lowest and highest value of each column, from a pin in balsa to a pile in stone, at
-/// speeds from creep to that of a bullet. A value outside is a slip of a unit.
+/// speeds from creep to that of a bullet. A value outside indicates a wrong unit.
 const DOMAINS: [(&str, [f64; 2]); 10] = [
     ("length_m", [1e-3, 2.0]),
     ("diameter_m", [1e-4, 0.1]),
@@ -48,36 +48,36 @@ const DOMAINS: [(&str, [f64; 2]); 10] = [
     ("mass_ahead_of_cell_kg", [0.0, 1e4]),
 ];
 
-/// Forms of a shank.
+/// Shank types.
 const SHANKS: [&str; 3] = ["smooth", "annular", "helical"];
 
-/// The most drives that are read.
+/// Maximum number of drives in a file.
 const MOST_DRIVES: usize = 100_000;
 
-/// A drive as its row describes it.
+/// A drive, as described by its row.
 #[derive(Debug, Clone)]
 pub struct Row {
     /// Name of the drive.
     pub id: String,
-    /// The condition it repeats.
+    /// The condition of which it is a repeat.
     pub group: String,
     /// Repeat of the condition.
     pub repeat: String,
-    /// 1, or 2 for a drive into the same hole again.
+    /// 1, or 2 for a second drive into the same hole.
     pub drive: u8,
     /// Name of the nail.
     pub nail: String,
-    /// Form of the shank; may be empty.
+    /// Shank type; may be empty.
     pub shank: String,
     /// Name of the wood.
     pub wood: String,
     /// Nail, wood and speed.
     pub conditions: Conditions,
-    /// Masses after an impact.
+    /// Masses in an impact test.
     pub masses: Masses,
     /// The recording.
     pub file: PathBuf,
-    /// The file that holds the row, and its line.
+    /// The file that contains the row, and its line.
     pub place: (PathBuf, usize),
 }
 
@@ -172,7 +172,7 @@ pub fn digest(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// Refuses drives of the same name, and second drives without their first.
+/// Rejects drives with the same name, and second drives without their first.
 ///
 /// # Errors
 /// [`PenetrationError::Data`] with the place of the row.
@@ -202,7 +202,7 @@ pub fn check(rows: &[Row]) -> Result<(), PenetrationError> {
     Ok(())
 }
 
-/// What the two drives into one hole share.
+/// The columns that two drives into one hole share.
 pub fn hole(row: &Row) -> (&str, &str) {
     (&row.group, &row.repeat)
 }
@@ -228,7 +228,7 @@ impl Fields<'_> {
         }
     }
 
-    /// A number that is given, in its domain.
+    /// A number, if given; it must be in its domain.
     fn number(&self, column: &str) -> Result<Option<f64>, PenetrationError> {
         let text = self.text(column);
         if text.is_empty() {
@@ -246,7 +246,7 @@ impl Fields<'_> {
         }
     }
 
-    /// The number, if it lies in the domain of its column.
+    /// The number, if it is in the domain of its column.
     fn within(&self, column: &str, number: f64) -> Result<f64, PenetrationError> {
         let domain = DOMAINS.iter().find(|(name, _)| *name == column);
         match domain {
@@ -258,7 +258,7 @@ impl Fields<'_> {
         }
     }
 
-    /// Form of the shank in lower case; may be empty.
+    /// Shank type in lower case; may be empty.
     fn shank(&self) -> Result<String, PenetrationError> {
         let shank = self.text("shank").to_lowercase();
         if shank.is_empty() || SHANKS.contains(&shank.as_str()) {
@@ -292,7 +292,7 @@ impl Fields<'_> {
         let (nail_name, wood_name) = (self.text("nail"), self.text("wood"));
         let (given_length, given_diameter) = (self.number("length_m")?, self.number("diameter_m")?);
         let (given_modulus, given_density) = (self.number("hardness_modulus_n_m")?, self.number("density_kg_m3")?);
-        // Published sizes fill what the row leaves out.
+        // Published dimensions replace those that the row omits.
         let published = nail(nail_name).ok();
         let helical = shank == "helical";
         let diameter = given_diameter.or_else(|| {

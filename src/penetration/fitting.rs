@@ -1,4 +1,4 @@
-//! From files of drives to a fitted law with its quality, validation and notes.
+//! Fits a law to files of drives, with its quality, validation and notes.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,29 +14,29 @@ use super::PenetrationError;
 use super::drives::{Row, check, hole, rows};
 use super::recordings::clean;
 
-/// VIF from which a coefficient alone has little meaning (Belsley, Kuh and Welsch, 1980).
+/// VIF above which a single coefficient has little meaning (Belsley, Kuh and Welsch, 1980).
 const HIGH_VIF: f64 = 1e3;
 
-/// What is fitted, and how.
+/// Settings of a fit.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Terms of the law.
     pub form: Form,
-    /// How the coefficients are found; none for the method that suits the form.
+    /// How the coefficients are found; `None` selects the method that suits the form.
     pub method: Option<Method>,
-    /// Whether terms are dropped from the end while SEE hardly grows.
+    /// Whether terms are dropped from the end as long as SEE hardly increases.
     pub reduce: bool,
-    /// What cross-validation leaves out; none for groups, if there are several.
+    /// What cross-validation leaves out; `None` means groups, if there are several.
     pub leave: Option<Leave>,
     /// Whether friction and deformation are separated.
     pub split: bool,
     /// How recordings become points.
     pub cleaning: Cleaning,
-    /// Whether designs may use the law beyond the range of its data.
+    /// Whether designs may use the law outside the range of its data.
     pub extrapolate: bool,
 }
 
-/// A fitted law, and what is to be said of it.
+/// A fitted law, with its quality and notes.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fitting {
     /// The law.
@@ -45,27 +45,27 @@ pub struct Fitting {
     /// Its data.
     #[serde(skip)]
     pub drives: Vec<Drive>,
-    /// s less the law, by point in the order of the drives.
+    /// s minus the law, by point in the order of the drives.
     #[serde(skip)]
     pub residuals: Vec<f64>,
-    /// Cross-validation; none where the data have one group only.
+    /// Cross-validation; `None` if the data have only one group.
     pub validation: Option<Validation>,
     /// Steps of the reduction.
     pub reduction: Vec<Reduction>,
     /// Friction and deformation.
     pub split: Option<Split>,
-    /// Force, 95 % bands and work under each condition of the data.
+    /// Force, 95 % bands and work for each condition of the data.
     pub conditions: Vec<Condition>,
-    /// What a reader must know.
+    /// Notes that a reader must know.
     pub notes: Vec<String>,
 }
 
-/// The law under a condition of the data, at the deepest point.
+/// The law for a condition of the data, at the deepest point.
 #[derive(Debug, Clone, Serialize)]
 pub struct Condition {
     /// Name of the condition.
     pub group: String,
-    /// Drives under it.
+    /// Number of drives with this condition.
     pub drives: usize,
     /// Deepest point \[m\].
     pub depth: f64,
@@ -79,10 +79,11 @@ pub struct Condition {
     pub work: Option<[f64; 2]>,
 }
 
-/// Fits a law to the drives of these files.
+/// Fits a law to the drives in these files.
 ///
 /// # Errors
-/// [`PenetrationError`] with file and line of what cannot be used, or of the drives that determine no law.
+/// [`PenetrationError`] with file and line of data that cannot be used, or of drives from which no law can be
+/// determined.
 pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, PenetrationError> {
     let mut all: Vec<Row> = Vec::new();
     let mut digests: Vec<(String, String)> = Vec::new();
@@ -93,7 +94,8 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
     }
     check(&all)?;
     let data = files.first().map_or(Path::new(""), PathBuf::as_path);
-    // Collected before the first error is taken, so that the same one is reported whichever thread is first.
+    // Collected before the first error is taken, so that the same error is reported regardless of the order of the
+    // threads.
     let cleaned: Vec<_> = all.par_iter().map(|row| clean(row, &options.cleaning)).collect();
     let cleaned = cleaned.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut notes = Vec::new();
@@ -164,7 +166,7 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The error with the line of the drive that it is about.
+/// The error, with the line of the drive that caused it.
 fn refused(source: FitError, rows: &[Row], data: &Path) -> PenetrationError {
     let about = match &source {
         FitError::Value { drive, .. } | FitError::NoImpact { drive, .. } => rows.iter().find(|row| row.id == *drive),
@@ -177,7 +179,7 @@ fn refused(source: FitError, rows: &[Row], data: &Path) -> PenetrationError {
     }
 }
 
-/// Friction and deformation by the second drives.
+/// Friction and deformation, from the second drives.
 fn parts(
     rows: &[Row],
     drives: &[Drive],
@@ -217,7 +219,7 @@ fn parts(
     })
 }
 
-/// What a reader of the fit must know.
+/// Notes that a reader of the fit must know.
 fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
     let mut notes = Vec::new();
     let form = law.form();

@@ -1,4 +1,4 @@
-//! `MACHINE.toml`: a test machine by the declared keys of its groups, and a fitted law beside them.
+//! `MACHINE.toml`: a test machine by the declared keys of its groups, together with a fitted law.
 
 use std::path::{Path, PathBuf};
 
@@ -70,7 +70,7 @@ pub fn machine(path: &Path) -> Result<(Machine, Option<FittedLaw>), PenetrationE
     Ok((machine, fit))
 }
 
-/// A file that errors name.
+/// A file, for error messages.
 struct File<'a> {
     path: &'a Path,
     text: &'a str,
@@ -165,5 +165,5 @@ impl File<'_> {
     }
 }
 
-/// Standard atmosphere, to which gauge pressures are added \[Pa\].
+/// Standard atmospheric pressure, to which gauge pressures are added \[Pa\].
 const STANDARD_PRESSURE: f64 = 101_325.0;

@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use nailnoise_documents::tables::{ColumnOf, Table, TableFault};
 
-/// Why laws cannot be compared.
+/// Reasons why laws cannot be compared.
 #[derive(Debug, Clone, PartialEq, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum PenetrationError {
@@ -31,7 +31,7 @@ pub enum PenetrationError {
         what: &'static str,
         /// The name given.
         name: String,
-        /// The name most like it, if one is near.
+        /// The most similar name, if one is close.
         nearest: Option<&'static str>,
         /// All names.
         known: String,
@@ -42,9 +42,9 @@ pub enum PenetrationError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the operating system.
         cause: String,
-        /// What to do about it.
+        /// The remedy.
         help: String,
     },
     /// Measured drives that cannot be used.
@@ -53,11 +53,11 @@ pub enum PenetrationError {
     Data {
         /// The file.
         path: PathBuf,
-        /// The line, from 1.
+        /// The line, starting at 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         problem: String,
-        /// What to do about it.
+        /// The remedy.
         help: String,
     },
     /// A recording in a universal file that cannot be read.
@@ -66,25 +66,25 @@ pub enum PenetrationError {
         "write displacement and force as datasets 58 of real values, or give a CSV file: time_s,depth_m,force_n"
     ))]
     Universal {
-        /// Why, with file and line.
+        /// The cause, with file and line.
         cause: String,
     },
-    /// A text that is no form of a law.
+    /// A text that is not a form of a law.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]
     Form(#[from] FormError),
-    /// Drives that determine no law.
+    /// Drives from which no law can be determined.
     #[error("{}{}: {source}", path.display(), line.map_or_else(String::new, |line| format!(", line {line}")))]
     #[diagnostic(help("{}", source.remedy()))]
     Fit {
         /// The file of the drives.
         path: PathBuf,
-        /// The line of the drive that it is about, if it is about one.
+        /// The line of the drive that caused the error, if any.
         line: Option<usize>,
-        /// Why.
+        /// The cause.
         source: FitError,
     },
-    /// A file that holds no fitted law.
+    /// A file that does not contain a fitted law.
     #[error("{}{} holds no fitted law: {problem}", path.display(),
         line.map_or_else(String::new, |line| format!(", line {line},")))]
     #[diagnostic(help("make it with `nailnoise penetration fit`"))]
@@ -93,10 +93,10 @@ pub enum PenetrationError {
         path: PathBuf,
         /// The line, if it is known.
         line: Option<usize>,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
-    /// A condition beyond the range of the data of a law.
+    /// A condition outside the range of the data of a law.
     #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to \
         {:.6}", path.display(), range[0], range[1])]
     #[diagnostic(help(
@@ -114,16 +114,16 @@ pub enum PenetrationError {
         /// The range of the data.
         range: [f64; 2],
     },
-    /// A file that holds no law.
+    /// A file that does not contain a law.
     #[error("{} holds no penetration law", path.display())]
     #[diagnostic(help("a line has a depth in m and a force in N; depths increase from 0"))]
     Table {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         source: TableError,
     },
-    /// Values that allow no plan of tests.
+    /// Values for which no test plan exists.
     #[error(transparent)]
     #[diagnostic(help("give masses in kg and the energy of the middle level in J; lighter projectiles fly faster"))]
     Plan(#[from] PlanError),
@@ -151,7 +151,7 @@ const FORCE: ColumnOf = ColumnOf {
     dimension: dimension::FORCE,
 };
 
-/// The largest table that is read \[byte\].
+/// Maximum size of a table \[byte\].
 const LARGEST_TABLE: u64 = 16 << 20;
 
 pub(crate) fn read_text(path: &Path) -> io::Result<String> {
@@ -168,7 +168,8 @@ fn unreadable(path: &Path, cause: &io::Error, help: &str) -> PenetrationError {
 }
 
 impl PenetrationError {
-    /// The error of a table that cannot be read. `help` is for lines, `otherwise` the line of other faults.
+    /// The error of a table that cannot be read. `help` applies to faults in lines; `otherwise` is the line for other
+    /// faults.
     pub(crate) fn of_table(path: &Path, fault: TableFault, otherwise: usize, help: &str) -> Self {
         let (line, problem, help) = match fault {
             TableFault::Line { line, problem, .. } => (line, problem, help.to_owned()),
@@ -188,10 +189,10 @@ pub(crate) fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     read_regular(path, LARGEST_TABLE)
 }
 
-/// Reads a fitted law, as `nailnoise penetration fit` writes it.
+/// Reads a fitted law, as written by `nailnoise penetration fit`.
 ///
 /// # Errors
-/// [`PenetrationError::Unreadable`] or [`PenetrationError::Law`] with the file and, where it is known, the line.
+/// [`PenetrationError::Unreadable`] or [`PenetrationError::Law`] with the file and, if known, the line.
 pub fn fitted(path: &Path) -> Result<FittedLaw, PenetrationError> {
     let text =
         read_text(path).map_err(|cause| unreadable(path, &cause, "name a file made by `nailnoise penetration fit`"))?;
@@ -204,7 +205,7 @@ pub fn fitted(path: &Path) -> Result<FittedLaw, PenetrationError> {
     })
 }
 
-/// `fit.toml`, as [`fitted`] reads it.
+/// Content of `fit.toml`, as [`fitted`] reads it.
 ///
 /// # Errors
 /// [`PenetrationError::Law`] for a law that cannot be written.
@@ -233,7 +234,7 @@ pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
 }
 
 /// Reads a law from the bytes of a table; `path` is for messages. Columns are in m and N unless their headings have
-/// other units, as `depth [mm]`; without headings the first two columns are depth and force.
+/// other units, such as `depth [mm]`; without headings, the first two columns are depth and force.
 ///
 /// # Errors
 /// [`PenetrationError::Data`] with the line, or [`PenetrationError::Table`].
@@ -244,7 +245,7 @@ pub fn force_table(bytes: &[u8], path: &Path) -> Result<ForceTable, PenetrationE
     let named = |of| table.headings.iter().position(|heading| heading.is_of(of));
     let places = match (named(DEPTH), named(FORCE)) {
         (Some(depth), Some(force)) => [depth, force],
-        // Names of a user's own, without units, or none.
+        // Headings of the user's own without units, or no headings.
         _ => [0, 1],
     };
     let mut columns = table.columns(&places).map_err(wrong)?.values.into_iter();
@@ -268,7 +269,7 @@ pub fn force_table(bytes: &[u8], path: &Path) -> Result<ForceTable, PenetrationE
     })
 }
 
-/// The published law of this name; case, hyphens and spaces do not matter.
+/// The published law with this name; case, hyphens and spaces do not matter.
 ///
 /// # Errors
 /// [`PenetrationError::Unknown`] with all names.
@@ -276,7 +277,7 @@ pub fn law(name: &str) -> Result<PenetrationLaw, PenetrationError> {
     find("law", name, PenetrationLaw::ALL, |law| law.as_str()).copied()
 }
 
-/// The wood of this name among those of the published tests.
+/// The wood with this name from the published tests.
 ///
 /// # Errors
 /// [`PenetrationError::Unknown`] with all names.
@@ -284,7 +285,7 @@ pub fn wood(name: &str) -> Result<&'static WoodKind, PenetrationError> {
     find("wood", name, &WOODS, |wood| wood.name)
 }
 
-/// The nail of this penny size among those of the published tests.
+/// The nail with this penny size from the published tests.
 ///
 /// # Errors
 /// [`PenetrationError::Unknown`] with all sizes.

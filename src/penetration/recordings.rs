@@ -10,16 +10,16 @@ use super::drives::{Row, digest};
 use super::{DEPTH, FORCE, PenetrationError, TIME, read_bytes, unreadable};
 use nailnoise_documents::tables::{Heading, Table, si_of};
 
-/// Specific data types of a universal file: time and frequency.
+/// Specific data types in a universal file: time and frequency.
 const TIME_TYPE: i64 = 17;
 const FREQUENCY_TYPE: i64 = 18;
 
-/// What a table of a recording looks like.
+/// Description of the table in a recording.
 const NAMES: &str = "a line names the columns: time_s,depth_m,force_n, or with other units as \"depth [mm]\" (time \
     optional at \
                      constant speed)";
 
-/// The recording of a row, cleaned, and the digest of its file.
+/// Cleans the recording of a row; also returns the digest of its file.
 ///
 /// # Errors
 /// [`PenetrationError::Data`] with the recording's file and line.
@@ -54,7 +54,7 @@ pub fn clean(row: &Row, how: &Cleaning) -> Result<(Drive, Cleaned, String), Pene
     Ok((drive, cleaned, digest))
 }
 
-/// The samples of a recording, and the line of each.
+/// The samples of a recording, with the line of each.
 type Samples = (Trace, Vec<usize>);
 
 /// Depth and force from datasets 58 of a universal file.
@@ -68,13 +68,13 @@ fn histories(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
     let (mut all, mut faults) = (Vec::new(), Vec::new());
     for function in uff::functions(bytes, path) {
         match function {
-            // A spectrum of the force is no history of it.
+            // A spectrum of the force is not a history.
             Ok(function) if function.kinds[0] == FREQUENCY_TYPE => {}
             Ok(function) => all.push(function),
             Err(fault) => faults.push(fault),
         }
     }
-    // A dataset that cannot be read may be the one that is missing.
+    // A dataset that cannot be read may be the missing one.
     let has = |kinds: &[i64]| all.iter().any(|function| kinds.contains(&function.kinds[1]));
     if let Some(fault) = faults.first().filter(|_| !(has(&[8]) && has(&[9, 13]))) {
         return Err(PenetrationError::Universal {
@@ -108,7 +108,7 @@ fn histories(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
             "sample both at the same times",
         ));
     }
-    // Without a label the units are those of the file.
+    // Without a label, the units are those of the file.
     let [metres, newtons] = uff::units(bytes, path)
         .map_err(|fault| PenetrationError::Universal {
             cause: fault.to_string(),

@@ -11,7 +11,7 @@ use super::tables::plain;
 use crate::tables::{Cell, Column, Table};
 use crate::wording::in_one_unit;
 
-/// The inputs by provenance; estimates, the first inputs for a designer to check, are open.
+/// The inputs by provenance. Estimates are shown open, because a designer should check them first.
 pub(super) fn section(design: &Design) -> Markup {
     let (entries, meanings) = (design.entries(), design.meanings());
     let of = |provenance: Provenance| -> Vec<&Entry> {

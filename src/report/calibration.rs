@@ -9,6 +9,9 @@ use super::table::with_code;
 use crate::calibration::{CalibrationResult, MeasurementRow};
 use crate::figures::Chart;
 
+/// Further measurements that are shown.
+const NEXT_SHOWN: usize = 16;
+
 pub(super) fn page(result: &CalibrationResult, charts: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
     let mut sections = vec![Section::new(
@@ -26,8 +29,11 @@ pub(super) fn page(result: &CalibrationResult, charts: &[Chart]) -> Page {
             html! { @if let Some(c) = chart("calibration-inputs") { (c) } (inputs(result)) },
         ),
         Section::new("shot", "The shot of the design", figures(result)),
-        Section::new("sampler", "The sampler", sampler(result)),
     ]);
+    if !result.next.is_empty() {
+        sections.push(Section::new("next", "What to measure next", next(result)));
+    }
+    sections.push(Section::new("sampler", "The sampler", sampler(result)));
     Page {
         title: format!("{}: calibration", result.design.name),
         compared: None,
@@ -96,7 +102,13 @@ fn conflicts(result: &CalibrationResult) -> Markup {
                         "No candidate comes near it: the nearest has " (number(nearest)) ", "
                         (format!("{distance:.1}")) " standard deviations away. "
                     }
-                    _ => { "Its probability by the other measurements is " (format!("{:.1e}", own.probability)) ". " }
+                    _ => {
+                        @match &own.partner {
+                            Some(partner) => { (own.measurement) " and " (partner) " contradict each other" }
+                            None => { "It contradicts the other measurements" }
+                        }
+                        ": its probability by the others is " (format!("{:.1e}", own.probability)) ". "
+                    }
                 }
                 @match own.widened {
                     Some(factor) => { "The errors were widened by a factor " (format!("{factor:.1}")) "." }
@@ -140,6 +152,28 @@ fn figures(result: &CalibrationResult) -> Markup {
                 }
             } } }
         } }
+    }
+}
+
+fn next(result: &CalibrationResult) -> Markup {
+    html! {
+        @if let Some(own) = result.next.first() { p {
+            "Now the 90 % interval of the total is " (format!("{:.1}", own.width[0]))
+            " dB wide, and the loudest source is first with a probability of " (format!("{:.2}", own.first[0])) "."
+        } }
+        div.scroll { table {
+            thead { tr { th { "measurement" } th { "pressure" } th.n { "error" } th { "unit" } th.n { "minutes" }
+                th.n { "total, 90 %, dB" } th.n { "P(first)" } th.n { "narrower, dB/h" } th.n { "surer, 1/h" } } }
+            tbody { @for own in result.next.iter().take(NEXT_SHOWN) { tr {
+                td { (with_code(&own.measurement)) } td { (own.condition) } td.n { (number(own.error)) }
+                td { (own.unit) } td.n { (format!("{:.0}", own.minutes)) } td.n { (format!("{:.1}", own.width[1])) }
+                td.n { (format!("{:.2}", own.first[1])) }
+                td.n { @if own.is_bound { "\u{2265} " } (format!("{:.2}", own.narrower_an_hour)) }
+                td.n { (format!("{:+.3}", own.surer_an_hour)) }
+            } } }
+        } }
+        p.quiet { "Mean over the draws of what remains once the measurement is made with this error, which includes the \
+            model's. \u{2265}: the draws are too few for so sharp a measurement." }
     }
 }
 

@@ -1,7 +1,7 @@
-//! Charts of a page: the curves as SVG that stretches to the width of the window, texts as HTML around it.
+//! Charts of a page: the curves as SVG that stretches to the width of the window, with HTML texts around them.
 //!
-//! A chart is complete without a script. The script of the page reads the values under the pointer from the curves
-//! themselves: their coordinates are those of a box of [`FRAME`] between the ends of the axes.
+//! A chart is complete without a script. The script of the page reads the values under the pointer from the curves,
+//! whose coordinates are relative to a box of [`FRAME`] between the ends of the axes.
 
 use maud::{Markup, html};
 
@@ -52,7 +52,7 @@ pub(super) fn colours() -> String {
     format!(":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}{classes}")
 }
 
-/// A pair of axes with values upwards.
+/// A pair of axes with a linear vertical axis.
 fn plot(chart: &Chart, panel: &Panel) -> Markup {
     let height = panel.pixels();
     let (xs, ys) = (across(&panel.x), upwards(&panel.y, height));
@@ -88,8 +88,8 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
     }
 }
 
-/// Series in the order of drawing: the last one lies on top, and that is the first of a panel. Error bars lie on the
-/// bars of all series.
+/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Error bars lie on the bars of
+/// all series.
 fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
     let errors = |(_, own): &(usize, &Series)| matches!(own.shape, Shape::Errors(_));
     let series = || panel.series.iter().enumerate().rev();
@@ -98,7 +98,7 @@ fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
     let of_categories = !panel.x.categories.is_empty();
-    // A place for each category: a gap if the series has no value.
+    // A position for each category; a gap if the series has no value.
     let values = || {
         let mut values = vec![String::new(); panel.x.categories.len()];
         for (x, y) in series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite()) {
@@ -120,7 +120,7 @@ fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
     }
 }
 
-/// The symbols of events over a plot.
+/// The symbols of events above a plot.
 fn symbols(events: &[(&Event, f64)]) -> Markup {
     let places: Vec<f64> = events.iter().map(|(_, at)| *at).collect();
     let rows = rows(&places, SYMBOL);

@@ -14,7 +14,7 @@ use crate::study::PairedStudy;
 use crate::tables::{dash, study::changes};
 use crate::wording;
 
-/// Levels shown below the highest \[dB\].
+/// Range of levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
 pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> Page {
@@ -236,7 +236,7 @@ fn chart(c: &Comparison, name: String, caption: String, panel: Panel) -> Chart {
     }
 }
 
-/// One series of bars a design over the labels.
+/// One series of bars per design over the labels.
 fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &Levels)>) -> Panel {
     let series = |(place, name): (usize, &String)| {
         let note = |(_, row): &(&str, &Levels)| {
@@ -261,7 +261,7 @@ fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &
     }
 }
 
-/// Levels of a source in its bands or intervals; none if it is silent in all of them.
+/// Levels of a source in its bands or intervals; `None` if it is silent in all of them.
 fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Option<Chart> {
     own.iter()
         .flat_map(|l| &l.levels.level_db)
@@ -276,7 +276,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
             own.iter().map(|l| (l.label.as_str(), &l.levels)).collect(),
         )
     } else {
-        // Each interval by the event at its start.
+        // Each interval is named by the event at its start.
         let names = own
             .iter()
             .map(|l| from_event(l.label.split('-').next().unwrap_or_default()));

@@ -1,4 +1,4 @@
-//! Declared values of a run: sound power, and emission sound pressure at the operator's ear.
+//! Values of a run for a declaration: sound power, and emission sound pressure at the operator's ear.
 
 use maud::{Markup, html};
 
@@ -6,7 +6,7 @@ use super::legend::marked;
 use crate::declaration;
 use crate::result::{RunResult, SourceLoudness};
 
-/// The declared levels with their contents, and K or the reason why it is not stated.
+/// The declared levels with their definitions, and K or the reason why it is not stated.
 pub(super) fn section(result: &RunResult) -> Markup {
     let ear = &result.ear;
     let [along, across, height] = ear.position_m;

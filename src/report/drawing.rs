@@ -1,14 +1,21 @@
-//! The drawing of the tool on a page: one figure a view, the legend of provenances, the keys as a table.
+//! The drawing of the tool on a page: one figure per view, the legend of provenances, and a table of the keys.
 //!
 //! The page is complete without its script, which highlights a key in all views and in the table.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
-use crate::design::Design;
-use crate::drawing::Drawing;
+use crate::design::{Design, inputs};
+use crate::drawing::{self, Drawing};
 
 /// The drawing of a design.
 pub(super) fn section(design: &Design) -> Markup {
+    if let Ok(Some(cycle)) = inputs::assembly::cycle(design) {
+        return html! {
+            p.quiet { "The network of the tool: spaces, bodies and triggers are columns, passages, faces and forces \
+                are rows." }
+            div.scroll { (PreEscaped(drawing::network(design.name(), &cycle.assembly))) }
+        };
+    }
     let drawing = Drawing::new(design);
     let labels = drawing.shown();
     html! {

@@ -1,7 +1,7 @@
 //! The events of a shot on a page: the loudest first, all others behind them.
 
 use maud::{Markup, html};
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::EventTime;
 
 use super::{chart, table};
 use crate::figures::{Chart, Event, Panel, Series, Shape};
@@ -42,15 +42,13 @@ pub(super) fn key(events: &[Event], loud: &[String]) -> Markup {
 }
 
 /// Times of the loudest events, and behind them those of all.
-pub(super) fn times(record: &CycleRecord, loud: &[String]) -> Markup {
-    let all = cycle::events(record);
-    let mut shown = all.clone();
-    let mut place = 0..;
-    shown.rows.retain(|_| {
-        place
-            .next()
-            .is_some_and(|place: usize| loud.contains(&format!("t{place}")))
-    });
+pub(super) fn times(events: &[EventTime], loud: &[String]) -> Markup {
+    let loudest: Vec<EventTime> = events
+        .iter()
+        .filter(|event| loud.contains(&event.name))
+        .cloned()
+        .collect();
+    let (shown, all) = (cycle::events(&loudest), cycle::events(events));
     html! {
         div {
             (table::markup(&shown))

@@ -1,4 +1,4 @@
-//! The head of the report of a run: the subject of the computation, and the result in a sentence.
+//! The head of a run's report: the subject of the computation, and the result in one sentence.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -16,7 +16,7 @@ use crate::tables::run::without;
 /// Pressure of 1 psi \[Pa\].
 const PSI: f64 = 6894.757;
 
-/// The heading: the title that the design gives, or its name.
+/// The heading: the title given by the design, or its name.
 pub(super) fn heading(design: &Design) -> String {
     match design.report().title.as_str() {
         "" => design.name().to_owned(),
@@ -24,7 +24,7 @@ pub(super) fn heading(design: &Design) -> String {
     }
 }
 
-/// The first facts for a reader.
+/// The most important facts for a reader.
 pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
     let note = &design.report().note;
@@ -60,7 +60,9 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             } }
         }
         p.quiet { (marked(&in_words(result))) }
-        p.quiet { "What this shot has in reserve, before anything is made quieter: " (result.performance.in_words()) "." }
+        @if let Some(performance) = &result.performance {
+            p.quiet { "What this shot has in reserve, before anything is made quieter: " (performance.in_words()) "." }
+        }
         p.quiet {
             "Absolute levels are predictions; the page Validation of the documentation compares those of one tool with \
              published tests. Differences between designs of one tool are more reliable than levels. "
@@ -134,7 +136,7 @@ pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
     }
 }
 
-/// A sentence with its first letter large.
+/// A sentence with a capital first letter.
 pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters
@@ -142,7 +144,7 @@ pub(crate) fn capitalised(text: &str) -> String {
         .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// For whom and by whom, according to the design.
+/// Client and author, according to the design.
 fn byline(design: &Design) -> Markup {
     let report = design.report();
     let said = [
@@ -191,7 +193,7 @@ fn given(design: &Design) -> Markup {
     html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
 }
 
-/// The word under a key, before other text; nothing if the key is missing from the design or none is chosen.
+/// The name that a key selects, followed by a separator; empty if the design lacks the key or no name is chosen.
 fn named(design: &Design, key: &str) -> String {
     let entry = design.entries().into_iter().find(|entry| entry.key == key);
     match entry.map(|entry| entry.value) {
@@ -208,8 +210,8 @@ fn today() -> String {
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1
-/// March.
+/// Year, month and day in the Gregorian calendar, from the number of days since 1 January 1970; computed with eras of
+/// 400 years that begin on 1 March.
 fn date(days: i64) -> [i64; 3] {
     let days = days + 719_468;
     let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));

@@ -10,7 +10,7 @@ use crate::tables::measured::quantities;
 use crate::virtual_test::comparison::{ComparedQuantity, MeasuredComparison};
 use crate::wording::drawn_structures;
 
-/// Levels below and above those shown in the chart \[dB\].
+/// Margin of levels below and above those in the chart \[dB\].
 const MARGIN: f64 = 3.0;
 
 pub(super) fn page(comparison: &MeasuredComparison) -> Page {
@@ -35,7 +35,7 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
     }
 }
 
-/// Only levels: other quantities have other units.
+/// Only levels, because other quantities have other units.
 fn chart(comparison: &MeasuredComparison) -> Chart {
     let rows: Vec<&ComparedQuantity> = comparison.rows.iter().filter(|own| own.level).collect();
     let lowest = rows

@@ -1,9 +1,9 @@
-//! Reports: one HTML file that opens without a network, for people who do not run the program.
+//! Reports: one HTML file that opens without a network, for readers who do not run the program.
 //!
-//! A report of a run shows everything in its result: every source, check, note and sensor separately, and the additions
-//! of a newer result as separate tables. Charts and pictures are in the page itself, so that it is complete without a
-//! script, with light and dark colours and in print; scripts add values under the pointer, a zoom, and a view in space
-//! that turns.
+//! A report of a run shows everything in its result: every source, check, note and sensor separately, and fields that
+//! newer results add as separate tables. Charts and pictures are part of the page, which is therefore complete without
+//! a script, with light and dark colours and in print. Scripts add values under the pointer, zooming, and a
+//! three-dimensional view that can be rotated.
 
 mod assumptions;
 mod axis;
@@ -19,6 +19,7 @@ mod measured;
 mod measurement;
 mod methods;
 mod modes;
+mod optimised;
 mod page;
 mod picture;
 mod raster;
@@ -28,6 +29,7 @@ mod sheet;
 mod sound;
 mod study;
 mod surface;
+mod swept;
 mod table;
 mod tables;
 
@@ -43,11 +45,13 @@ use crate::error::Error;
 use crate::figures;
 use crate::measurement::result::MeasurementResult;
 use crate::model::sources::by_name;
+use crate::optimisation::Optimisation;
 use crate::result::RunResult;
 use crate::run::Run;
+use crate::stages::cycle::SummaryFigures;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, code};
-use crate::study::{PairedStudy, StudyResult};
+use crate::study::{Axis, PairedStudy, StudyResult, SweptPoint};
 use crate::tables::cycle::figures as figures_of;
 use crate::tables::run as run_tables;
 use crate::virtual_test::comparison::MeasuredComparison;
@@ -84,7 +88,7 @@ const SHOWN: [&str; 20] = [
     "timing",
 ];
 
-/// The parts of a report that show the bodies in motion, ready for the page.
+/// The parts of a report that show the moving bodies, ready for the page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
     /// The surfaces in space, if any.
@@ -95,7 +99,7 @@ pub struct Pictures {
     modes: String,
 }
 
-/// Makes the parts of a report that show the bodies in motion.
+/// Makes the parts of a report that show the moving bodies.
 #[derive(Serialize)]
 pub struct BodyPictures {
     /// The bodies.
@@ -147,7 +151,8 @@ impl Stage for BodyPictures {
     }
 }
 
-/// The report of a run, with the pictures and sounds that belong to it. A summary comes first, then an appendix.
+/// The report of a run, with the pictures and sounds that belong to it. It begins with a summary, followed by an
+/// appendix.
 pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> String {
     let (result, subject) = (&run.result, run.result.design.name.as_str());
     let value = serde_json::to_value(result).unwrap_or_default();
@@ -165,8 +170,8 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     let intervals = place.map(|place| levels.remove(place));
     let loud = events::loudest(result);
     let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
-    let mut cycle = figures::cycle(subject, design, &run.record);
-    let energy = cycle.pop();
+    let mut cycle = figures::shot(subject, design, &run.record);
+    let energy = cycle.pop_if(|chart| chart.name == "energy");
     let power = figures::power(subject, &run.record, &run.powers);
     let mut sections = vec![
         Section::new("ranking", "Ranking", ranking(result)),
@@ -208,7 +213,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Nailing cycle",
             html! {
                 @for chart in &cycle { (chart::markup(chart)) }
-                div.columns { (events::times(&run.record, &loud)) (table::markup(&figures_of(&result.cycle))) }
+                div.columns { (events::times(&run.record.events, &loud)) (figures_of_shot(run, &value["cycle"])) }
             },
         )
         .in_the_appendix(),
@@ -253,7 +258,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     .html()
 }
 
-/// Takes all panels of a chart but the first out of it, as a separate chart.
+/// Removes all panels but the first from a chart and returns them as a separate chart.
 fn more_panels(chart: &mut figures::Chart) -> Option<figures::Chart> {
     let panels = chart.panels.split_off(1);
     (!panels.is_empty()).then(|| figures::Chart {
@@ -275,14 +280,32 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
     }
 }
 
-/// The report of a study with these charts.
+/// The report of a study, with these charts.
 pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
     study::page(result, charts, scatter).html()
 }
 
-/// The page of a calibration with these charts.
+/// The page of a calibration, with these charts.
 pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
     calibration::page(result, charts).html()
+}
+
+/// The page of an optimisation with these charts; `reports` are the files of the designs of its front, if any.
+pub fn optimised(found: &Optimisation, charts: &[figures::Chart], reports: &[Option<String>]) -> String {
+    optimised::page(found, charts, reports).html()
+}
+
+/// Figures of a shot: those of the tool of the keys in plain words, those of an assembly by their names.
+fn figures_of_shot(run: &Run, value: &serde_json::Value) -> maud::Markup {
+    match &run.record.figures {
+        SummaryFigures::Keys(summary) => table::markup(&figures_of(summary)),
+        SummaryFigures::Assembly(_) => tables::generic(value),
+    }
+}
+
+/// The page of a sweep with its chart.
+pub fn swept(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &figures::Chart) -> String {
+    swept::page(design, axes, points, chart).html()
 }
 
 /// The page of predictions next to measurements.
@@ -290,13 +313,13 @@ pub fn measured(comparison: &MeasuredComparison) -> String {
     measured::page(comparison).html()
 }
 
-/// The page of a wrapping test with these charts.
+/// The page of a wrapping test, with these charts.
 pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> String {
     measurement::page(result, charts).html()
 }
 
-/// The report of a comparison of the files with this identity, with the changes over common draws if there are any, and
-/// with a sound for each design that has one.
+/// The report of a comparison. `identity` identifies the files compared; the report includes the changes over common
+/// draws, if any, and a sound for each design that has one.
 pub fn comparison(comparison: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> String {
     compared::page(comparison, paired, identity, recordings).html()
 }

@@ -8,7 +8,7 @@ use super::tables::decibels;
 use super::{picture, table};
 use crate::tables::{Cell, Column, Table};
 
-/// Modes in the table, and those that are drawn.
+/// Number of modes in the table, and number of those that are drawn.
 const LISTED: usize = 15;
 const DRAWN: usize = 6;
 

@@ -1,4 +1,4 @@
-//! A mode as a picture: the surface in its deflection.
+//! A mode as a picture: the deformed surface.
 
 use nalgebra::Vector3;
 
@@ -8,10 +8,10 @@ use crate::stages::bodies::Body;
 /// Size of a picture \[px\].
 const SIZE: [usize; 2] = [480, 330];
 
-/// Largest displacement as a share of the body's diagonal: seen, and not yet folded.
+/// Largest displacement as a fraction of the body's diagonal: visible, but without folding the surface.
 const AMPLITUDE: f64 = 0.06;
 
-/// The address of the picture; the colour is the size of the displacement at a face's centre over the largest.
+/// The picture as a data URL; the colour shows the displacement at the centre of a face relative to the largest.
 pub(super) fn mode(body: &Body, mode: usize) -> String {
     let surface = &body.surface;
     let shape = body.skin.column(mode);

@@ -1,16 +1,16 @@
-//! Pictures of triangles: an orthographic view, hidden faces removed by a depth buffer, written as PNG.
+//! Pictures of triangles: an orthographic view, with hidden faces removed by a depth buffer, written as PNG.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::{Matrix3, Vector3};
 
-/// Each pixel is the mean of so many by so many.
+/// Each pixel is the mean of this number of samples in each direction.
 const SAMPLES: usize = 2;
 
-/// Margin around the content, as part of the picture.
+/// Margin around the content, as a fraction of the picture.
 const MARGIN: f64 = 0.03;
 
-/// Brightness of a face whose normal is across the view; one that faces the viewer has 1.
+/// Brightness of a face whose normal is perpendicular to the line of sight; a face that faces the viewer has 1.
 const AMBIENT: f64 = 0.62;
 
 /// The colour scale Cividis (Nuñez, Anderton and Renslow 2018) at five places.
@@ -38,7 +38,7 @@ pub(super) fn scale(value: f64) -> [f64; 3] {
     })
 }
 
-/// The axes of a view from the front, the right and above, as rows: to the right, up, towards the viewer.
+/// The axes of a view from the front, right and above, as rows: to the right, up, towards the viewer.
 pub(super) fn view() -> Matrix3<f64> {
     let towards = Vector3::new(1.3, -1.7, 1.0).normalize();
     let right = Vector3::z().cross(&towards).normalize();
@@ -49,7 +49,7 @@ pub(super) fn view() -> Matrix3<f64> {
     ])
 }
 
-/// A picture of this size that shows all triangles, as the address of an image in a page.
+/// A picture of this size that shows all triangles, as a data URL.
 pub(super) fn picture(triangles: &[Triangle], [width, height]: [usize; 2]) -> String {
     let pixels = draw(triangles, [SAMPLES * width, SAMPLES * height]);
     let mut bytes = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn picture(triangles: &[Triangle], [width, height]: [usize; 2]) -> St
     format!("data:image/png;base64,{}", STANDARD.encode(&bytes))
 }
 
-/// The colour of each sample; none for an empty one.
+/// The colour of each sample; `None` if it is empty.
 fn draw(triangles: &[Triangle], [width, height]: [usize; 2]) -> Vec<Option<[f64; 3]>> {
     let view = view();
     let seen: Vec<[Vector3<f64>; 3]> = triangles
@@ -124,7 +124,7 @@ fn draw(triangles: &[Triangle], [width, height]: [usize; 2]) -> Vec<Option<[f64;
     colours
 }
 
-/// Means over the samples of each pixel, red, green, blue and opacity.
+/// Means over the samples of each pixel: red, green, blue and opacity.
 fn reduced(samples: &[Option<[f64; 3]>], [width, height]: [usize; 2]) -> Vec<u8> {
     let count = SAMPLES * SAMPLES;
     let mut image = Vec::with_capacity(4 * width * height);
@@ -148,7 +148,7 @@ fn reduced(samples: &[Option<[f64; 3]>], [width, height]: [usize; 2]) -> Vec<u8>
 mod tests {
     use super::*;
 
-    /// A triangle across the view, so far towards the viewer.
+    /// A triangle perpendicular to the line of sight, at this distance towards the viewer.
     fn across(towards: f64, colour: [f64; 3]) -> Triangle {
         let view = view().transpose();
         let corner = |x: f64, y: f64| view * Vector3::new(x, y, towards);

@@ -1,4 +1,4 @@
-//! Charts with a row for each category: horizontal bars next to their names, or below them in a narrow window.
+//! Charts with a row for each category: horizontal bars to the right of their names, or below them in a narrow window.
 
 use maud::{Markup, html};
 
@@ -8,7 +8,7 @@ use crate::figures::path::{RowBar, row_bars, sharing};
 use crate::figures::ticks::across;
 use crate::figures::{Panel, Series};
 
-/// Height of a bar among others, and of one that has its row for itself \[px\].
+/// Height of a bar that shares its row, and of one alone in its row \[px\].
 const THIN: usize = 7;
 const THICK: usize = 15;
 
@@ -56,7 +56,7 @@ fn one(bar: &RowBar<'_>, shared: usize) -> Markup {
     }
 }
 
-/// A row in words, for those who see no bars.
+/// Text of a row for screen readers.
 fn words(panel: &Panel, row: usize, bars: &[RowBar<'_>]) -> Option<String> {
     if bars.iter().any(|bar| bar.note.is_some()) {
         return None;

@@ -1,5 +1,5 @@
-//! The surfaces in space, coloured by the sound that they would radiate: a picture, and the data for its rotation in
-//! the page.
+//! The surfaces in space, coloured by the sound that they would radiate: a picture, and the data with which the page
+//! rotates it.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -10,20 +10,20 @@ use serde_json::json;
 use super::raster::{self, Triangle, picture, scale};
 use super::surface::{ColouredSurface, level};
 
-/// Levels shown below the highest \[dB\].
+/// Range of levels shown below the highest \[dB\].
 const SHOWN: f64 = 30.0;
 
 /// Size of the picture \[px\].
 const SIZE: [usize; 2] = [1400, 880];
 
-/// Colour of faces that are covered.
+/// Colour of covered faces.
 const COVERED: [f64; 3] = [200.0, 200.0, 200.0];
 
-/// Steps of the levels and of the coordinates that the page turns.
+/// Number of steps of the levels and of the coordinates in the data of the page.
 const LEVEL_STEPS: f64 = 255.0;
 const PLACE_STEPS: f64 = 30_000.0;
 
-/// A triangulated surface: corners of the triangles and the face of each, those that are free first.
+/// A triangulated surface: corners of the triangles and the face of each, free faces first.
 struct Triangles<'a> {
     painted: &'a ColouredSurface<'a>,
     corners: Vec<[usize; 3]>,
@@ -31,7 +31,7 @@ struct Triangles<'a> {
     free: usize,
 }
 
-/// A choice of the range that the colours show.
+/// A choice of the frequency range that the colours show.
 struct View {
     label: String,
     /// Level at the upper end of the colours \[dB re 1 pW s/m2\].
@@ -40,7 +40,7 @@ struct View {
     energies: Vec<Vec<f64>>,
 }
 
-/// A view of all bodies; none without a surface.
+/// A view of all bodies; `None` if there is no surface.
 pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
     let surfaces: Vec<Triangles<'_>> = bodies.iter().map(Triangles::new).collect();
     let whole = View::new(
@@ -54,7 +54,7 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
     let image = image(&surfaces, &whole);
     let in_octave = |(index, octave): (usize, &nailnoise_acoustics::signals::Band)| {
         bodies.iter().find(|painted| painted.octaves[index].is_some())?;
-        // A body that is not analysed there does not radiate there either.
+        // A body that is not analysed in this range does not radiate there either.
         let energies = |painted: &ColouredSurface<'_>| {
             let own = painted.octaves[index].clone();
             own.unwrap_or_else(|| vec![0.0; painted.whole.len()])
@@ -71,7 +71,7 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
          radiate",
         names.join(", ")
     );
-    // Only numbers: nothing in it can end the enclosing element.
+    // The data contain only numbers, so nothing in them can end the enclosing element.
     let data = data(&surfaces, &views).to_string().replace('<', "\\u003c");
     Some(html! {
         figure.scene {
@@ -93,7 +93,7 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
 }
 
 impl<'a> Triangles<'a> {
-    /// The faces as triangles between their corners.
+    /// Splits the faces into triangles between their corners.
     fn new(painted: &'a ColouredSurface<'a>) -> Self {
         let faces = &painted.body.surface.faces;
         let mut found = Self {
@@ -120,7 +120,7 @@ impl<'a> Triangles<'a> {
         found
     }
 
-    /// The points that the triangles use, in rising order.
+    /// The points that the triangles use, in ascending order.
     fn used(&self) -> Vec<usize> {
         let mut used: Vec<usize> = self.corners.iter().flatten().copied().collect();
         used.sort_unstable();
@@ -139,7 +139,7 @@ impl View {
         Self { label, high, energies }
     }
 
-    /// The level of a face between the ends of the colours, 0 to 1.
+    /// The level of a face relative to the range of the colours, 0 to 1.
     fn shade(&self, body: usize, face: usize) -> f64 {
         let level = level(self.energies[body][face]).unwrap_or(f64::NEG_INFINITY);
         (1.0 - (self.high - level) / SHOWN).clamp(0.0, 1.0)
@@ -164,8 +164,8 @@ fn image(surfaces: &[Triangles<'_>], view: &View) -> String {
     picture(&triangles, SIZE)
 }
 
-/// Points in integer steps, corners of triangles, and levels of the free ones for each view, as base64 of little-endian
-/// numbers.
+/// Points in integer steps, corners of triangles, and levels of the free faces for each view, as base64 of
+/// little-endian numbers.
 fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
     let reach = surfaces
         .iter()
@@ -211,7 +211,7 @@ fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
     })
 }
 
-/// The range of each body in words.
+/// Text with the range of each body.
 fn ranges(bodies: &[ColouredSurface<'_>]) -> String {
     let range = |painted: &ColouredSurface<'_>| {
         let [from, to] = painted.range_hz;

@@ -1,4 +1,4 @@
-//! Sounds of a run inside the page.
+//! Sounds of a run in the page.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -23,7 +23,7 @@ pub(super) fn measured(result: &RunResult) -> Markup {
     html! { (by_source(&result.microphones)) (totals(result)) (levels(&result.microphones)) }
 }
 
-/// Sources by the array next to their radiated sound.
+/// Sources measured by the array next to their radiated sound.
 fn by_source(report: &MicrophoneReport) -> Markup {
     let [a, b, c] = report.box_m;
     let rows = report.sources.iter().map(|source| {
@@ -61,7 +61,7 @@ fn by_source(report: &MicrophoneReport) -> Markup {
     }
 }
 
-/// The three levels of all sources together, and why they differ.
+/// The three levels of all sources together, and the reasons why they differ.
 fn totals(result: &RunResult) -> Markup {
     let array = &result.microphones.total;
     let step = array.lwa_db.zip(array.true_lwa_db);
@@ -92,7 +92,7 @@ fn totals(result: &RunResult) -> Markup {
     }
 }
 
-/// A-weighted exposure levels, microphone by microphone.
+/// A-weighted exposure levels for each microphone.
 fn levels(report: &MicrophoneReport) -> Markup {
     let sources = report
         .sources
@@ -115,7 +115,8 @@ fn levels(report: &MicrophoneReport) -> Markup {
     }
 }
 
-/// A player for each recording, and two of them in a loop and in step; nothing without recordings.
+/// A player for each recording, and one that switches between two of them in a synchronous loop; empty without
+/// recordings.
 pub(super) fn players(recordings: &[Recording]) -> Markup {
     html! { @if !recordings.is_empty() {
         p.quiet {

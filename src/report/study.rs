@@ -155,7 +155,7 @@ fn contributions(result: &StudyResult) -> Markup {
     }
 }
 
-/// Surrogates in all inputs, an output a row.
+/// Surrogates in all inputs, one row per output.
 fn surrogates(result: &StudyResult) -> Markup {
     html! {
         @if let Some(degree) = result.surrogates.iter().map(|own| own.degree).max() {
@@ -167,7 +167,7 @@ fn surrogates(result: &StudyResult) -> Markup {
     }
 }
 
-/// Groups of inputs, each output a table.
+/// Groups of inputs, one table per output.
 fn groups(study: &GroupStudy) -> Markup {
     html! {
         h3 { "Groups of inputs" }

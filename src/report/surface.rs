@@ -1,12 +1,11 @@
-//! Sound that the parts of a vibrating surface, and its modes, would radiate at radiation efficiency 1.
+//! Sound that the parts of a vibrating surface, and its modes, would radiate with radiation efficiency 1.
 //!
 //! ```text
 //! e(x) = rho0 c0 2 int A(f) |v_n(x, f)|^2 df        v_n = sum over modes of phi_n a/(j omega)
 //! ```
-//! is the A-weighted equivalent radiated energy of an area \[J/m2\]. It shows where and how a surface moves so that it
-//! could radiate; the radiation of the ranking states how much of it leaves as sound. With C = 2 sum of A(f) Re(a
-//! a^H)/omega^2 df over the bins, e = rho0 c0 phi_n^T C phi_n, and a single mode r gives the energy rho0 c0 C_rr int
-//! phi_n^2 dS.
+//! is the A-weighted equivalent radiated energy of an area \[J/m2\]. It shows where and how a surface moves and so
+//! might radiate; the ranking states how much actually leaves as sound. With C = 2 sum of A(f) Re(a a^H)/omega^2 df
+//! over the bins, e = rho0 c0 phi_n^T C phi_n, and a single mode r gives the energy rho0 c0 C_rr int phi_n^2 dS.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::LowRank;
@@ -27,7 +26,7 @@ const REFERENCE: f64 = 1e-12;
 /// Surroundings and supports of the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Surroundings {
-    /// Faces of workpiece and support from which no sound leaves.
+    /// Faces of workpiece and support that do not radiate.
     pub covered: CoveredFaces,
     /// Position of the tool's nose, the origin of its axes \[m\].
     pub nose: [f64; 3],
@@ -42,15 +41,15 @@ pub(super) struct ColouredSurface<'a> {
     pub(super) loss_factor: f64,
     /// Position of its origin in the room \[m\].
     pub(super) origin: Vector3<f64>,
-    /// Whether each face radiates into the air, and does not touch or lie in another body or sand.
+    /// Whether each face radiates into the air, which it does not if it touches or lies in another body or sand.
     pub(super) free: Vec<bool>,
     /// Range over which the body's motion is known \[Hz\].
     pub(super) range_hz: [f64; 2],
     /// A-weighted energy per area of each face over that range \[J/m2\].
     pub(super) whole: Vec<f64>,
-    /// The same in that part of each of the [`octaves`] that lies in the range; none without such a part.
+    /// The same for the part of each of the [`octaves`] inside the range; `None` if there is no such part.
     pub(super) octaves: Vec<Option<Vec<f64>>>,
-    /// Energy that each single mode would radiate, A-weighted \[J\].
+    /// A-weighted energy that each mode alone would radiate \[J\].
     pub(super) modes: Vec<f64>,
 }
 
@@ -58,10 +57,10 @@ impl<'a> ColouredSurface<'a> {
     pub(super) fn new(around: &Surroundings, driven: &'a BodyInMotion) -> Self {
         let (body, spectra) = (&*driven.body, &driven.motion.spectra);
         let surface = &body.surface;
-        // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
+        // One point per face: the picture shows no finer detail, and a one-point rule exists for every shape.
         let points = surface.quadrature(1).unwrap_or_default();
         let mut normal = normal_modes(surface, &points, &body.skin);
-        // A mesh is shown in full if its cavities cannot be separated from its outline.
+        // A mesh is shown completely if its cavities cannot be separated from its outer surface.
         let open = open_faces(surface, None).unwrap_or_else(|_| vec![true; surface.faces.len()]);
         let free: Vec<bool> = points
             .iter()
@@ -72,7 +71,8 @@ impl<'a> ColouredSurface<'a> {
             .collect();
         let tool = body.name == BodyKind::Tool.name();
         if tool {
-            // Its flight sounds as that of a small sphere, not as radiation efficiency 1 has it.
+            // The sound of its rigid-body motion is that of a small sphere, which radiation efficiency 1 would
+            // overestimate.
             for (mode, _) in body.omega.iter().enumerate().filter(|(_, omega)| **omega == 0.0) {
                 normal.column_mut(mode).fill(0.0);
             }
@@ -137,7 +137,7 @@ impl ColouredSurface<'_> {
 
 /// Displacement of the modes along the normal, at one point of each face: points x modes.
 fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f32>) -> DMatrix<f32> {
-    // Each node of a face with the part that its displacement has in that of the point.
+    // The weights of a face's nodes for the displacement at the point.
     let mut parts: Vec<([f32; 3], usize)> = Vec::new();
     let mut ends = Vec::with_capacity(points.len());
     for point in points {
@@ -164,7 +164,7 @@ fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f
     normal
 }
 
-/// Level of an energy \[dB re 1 pW s\]; none for silence.
+/// Level of an energy \[dB re 1 pW s\]; `None` for silence.
 pub(super) fn level(energy: f64) -> Option<f64> {
     (energy > 0.0).then(|| 10.0 * (energy / REFERENCE).log10())
 }

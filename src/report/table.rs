@@ -63,18 +63,19 @@ pub(super) fn content(cell: &Cell) -> Markup {
                     style={ "width:" (format!("{:.1}%", 100.0 * bar.length.clamp(0.0, 1.0))) } {}
                 @if !cell.text.is_empty() { span { (text) } }
             }
+        } @else if let Some(file) = &cell.opens { a href=(file) { (text) }
         } @else if cell.strong { b { (text) } } @else { (text) }
         @if !cell.spread.is_empty() { " " span.quiet { (marked(&cell.spread)) } }
     }
 }
 
-/// A line of plain text whose words between backticks are code.
+/// A line of plain text in which words between backticks become code.
 pub(super) fn with_code(line: &str) -> Markup {
     let parts = line.split('`').enumerate();
     html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (marked(part)) } } }
 }
 
-/// A text of the terminal with the signs of a page: an en dash for a missing value, minus signs before digits.
+/// A terminal text with typeset signs: an en dash for a missing value, minus signs before digits.
 pub(super) fn typeset(text: &str) -> String {
     if text == "-" {
         return "\u{2013}".to_owned();

@@ -25,7 +25,7 @@ pub(super) const SOURCE: [&str; 13] = [
     "intervals",
 ];
 
-/// Rows of a table with a special shape; the rest is in `result.json`.
+/// Number of rows shown in a table without a dedicated form; the rest is in `result.json`.
 const ROWS: usize = 40;
 
 /// A level with one decimal.
@@ -50,7 +50,7 @@ pub(super) fn checks(result: &RunResult) -> Markup {
     }
 }
 
-/// Content of an object other than the `known` keys; nothing if there is no more.
+/// Content of an object other than the `known` keys; `None` if there is no more.
 pub(super) fn further(object: &Value, known: &[&str]) -> Option<Markup> {
     let rest: Vec<_> = object
         .as_object()?
@@ -74,7 +74,7 @@ fn is_empty(value: &Value) -> bool {
     }
 }
 
-/// Any value: lists of objects as a table, objects by name, the rest unchanged.
+/// Any value: lists of objects as a table, objects by name, others unchanged.
 pub(super) fn generic(value: &Value) -> Markup {
     let nested = |value: &Value| match value {
         Value::Array(items) => items.iter().any(|item| item.is_object() || item.is_array()) || items.len() > 8,
@@ -121,7 +121,7 @@ fn words(key: &str) -> String {
     key.replace('_', " ")
 }
 
-/// A key in words, with the unit of its ending.
+/// A key as text, with the unit given by its suffix.
 fn titled(key: &str) -> String {
     const UNITS: [(&str, &str); 8] = [
         ("_db", "dB"),
@@ -144,7 +144,7 @@ fn titled(key: &str) -> String {
     }
 }
 
-/// The value of a key: a share in percent, levels to a thousandth of a decibel. A value that rounds to nothing is 0.
+/// The value of a key: shares in percent, levels with three decimals. A value that rounds to zero is shown as 0.
 fn of_key(key: &str, value: &Value) -> String {
     match value {
         Value::Array(items) => items
@@ -163,7 +163,7 @@ fn of_key(key: &str, value: &Value) -> String {
     }
 }
 
-/// A value with the digits that it needs.
+/// A value with as many digits as it needs.
 pub(super) fn plain(value: &Value) -> String {
     match value {
         Value::Null => "\u{2013}".to_owned(),
@@ -175,7 +175,7 @@ pub(super) fn plain(value: &Value) -> String {
     }
 }
 
-/// Five digits at most, without an exponent where a reader needs none.
+/// At most five digits, without an exponent if none is needed.
 fn significant(value: f64) -> String {
     rounded(value, 5, 1e7)
 }
@@ -186,7 +186,7 @@ mod tests {
 
     use super::*;
 
-    /// Additions of a later version to a result are shown without changes to this code.
+    /// Fields that a later version adds to a result are shown without changes to this code.
     #[test]
     fn anything_has_a_table() {
         let value = json!({

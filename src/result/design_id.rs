@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct DesignId {
     /// Name of the file without its extension.
     pub name: String,
-    /// SHA-256 of every value the result depends on.
+    /// SHA-256 of every value on which the result depends.
     #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
     pub digest: String,
 }

@@ -1,4 +1,4 @@
-//! What the draws of a study say about the levels of a run.
+//! The statements of a study about the levels of a run.
 
 use nailnoise_quantities::Check;
 use schemars::JsonSchema;
@@ -6,37 +6,38 @@ use serde::{Deserialize, Serialize};
 
 use super::design_id::DesignId;
 
-/// Levels of a run over the draws of a study that serves its design, or why there are none.
+/// Levels of a run over the draws of a study that applies to its design, or the reason why there are none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub enum RunStudy {
-    /// A study serves the design.
+    /// A study applies to the design.
     Known(Box<StudySummary>),
-    /// No interval, no P(first) and no K are stated.
+    /// No intervals, no P(first) and no K are stated.
     Absent(NoStudy),
 }
 
-/// Why a run states no intervals.
+/// Reason why a run states no intervals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NoStudy {
     /// The reason.
     pub reason: String,
-    /// Outcomes that a study of the design counts, if the shot of the design has another one; null otherwise.
+    /// Outcomes that a study of the design counts, if the outcome of the design's shot is not among them; null
+    /// otherwise.
     pub unmet: Option<String>,
 }
 
-/// A study as far as it concerns the levels of a run.
+/// The results of a study that concern the levels of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StudySummary {
-    /// The design whose study it is: that of the run, or one whose draws also serve it.
+    /// The design of the study: that of the run, or one whose draws also apply to it.
     pub design: DesignId,
-    /// Number of draws. Weighted draws count as many as they are worth.
+    /// Number of draws. Weighted draws count by their effective number.
     pub draws: usize,
     /// Meaning of the ends of the intervals.
     pub ends: Ends,
-    /// Number of structures that were drawn; 0 for those of the design.
+    /// Number of structures that were drawn; 0 if all draws use those of the design.
     pub structures: usize,
-    /// Outcomes that count; all count if it is empty.
+    /// Outcomes that count; if empty, all count.
     pub require: Vec<String>,
     /// The command that made a study that comes with the program; null for a study from the cache.
     pub provided: Option<Provided>,
@@ -46,8 +47,8 @@ pub struct StudySummary {
     pub sources: Vec<LevelSpread>,
     /// Level of all sources together.
     pub total: LevelSpread,
-    /// Sources, and the total, whose level in the run lies outside their interval: the values of the design and its
-    /// ranges contradict each other. No P(first), no order, no K and no deciding inputs are then stated.
+    /// Sources, and the total, whose level in the run is outside their interval: the values of the design contradict
+    /// its ranges. No P(first), no order, no K and no important inputs are stated then.
     pub outside: Vec<String>,
     /// Orders of the sources, the most frequent first.
     pub orders: Vec<OrderShare>,
@@ -61,7 +62,7 @@ pub struct StudySummary {
 pub enum Ends {
     /// 5th and 95th percentile of the draws.
     Percentiles,
-    /// The lowest and the highest level of the draws and of the run: there are too few draws for percentiles.
+    /// The lowest and the highest level of the draws and of the run, because there are too few draws for percentiles.
     Extremes,
 }
 
@@ -72,11 +73,11 @@ pub struct LevelSpread {
     pub source: String,
     /// Lower end of the interval.
     pub low_db: Option<f64>,
-    /// Median of the draws; null with too few of them, too.
+    /// Median of the draws; null if there are too few or if silent.
     pub median_db: Option<f64>,
     /// Upper end of the interval.
     pub high_db: Option<f64>,
-    /// Share of the draws in which it is the loudest source, an estimate of P(first); null for the total, or where it
+    /// Fraction of the draws in which it is the loudest source, an estimate of P(first); null for the total, or if it
     /// is not stated.
     pub first: Option<f64>,
     /// Fall of the total where this source alone is silent \[dB\]: ends over the draws, with the meaning of `ends`.
@@ -90,18 +91,18 @@ pub struct LevelSpread {
 pub struct OrderShare {
     /// Sources, loudest first.
     pub order: Vec<String>,
-    /// Share of the draws with this order.
+    /// Fraction of the draws with this order.
     pub share: f64,
 }
 
-/// An input that decides the total.
+/// An input with a large effect on the total.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DecidingInput {
     /// The variable.
     pub variable: String,
-    /// Part of the variance that it explains alone \[-\].
+    /// Fraction of the variance that it explains alone \[-\].
     pub first_order: f64,
-    /// Half of the 90 % interval of this part over resampled draws; null if it is not known.
+    /// Half of the 90 % interval of this fraction over resampled draws; null if unknown.
     pub half_width: Option<f64>,
 }
 
@@ -112,23 +113,23 @@ pub struct Provided {
     pub command: String,
     /// Version of the program that made it.
     pub version: String,
-    /// Whether the code of the levels has not changed since.
+    /// Whether the code that computes levels has not changed since.
     pub current: bool,
 }
 
 /// How the draws of another study are weighted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Weighting {
-    /// Draws of the study.
+    /// Number of draws of the study.
     pub draws: usize,
-    /// Number of draws without weights that they are worth.
+    /// Equivalent number of draws without weights.
     pub effective: f64,
     /// The quantities whose distributions differ.
     pub keys: Vec<String>,
 }
 
 impl RunStudy {
-    /// Without a study, for this reason.
+    /// No study, for this reason.
     pub fn absent(reason: impl Into<String>) -> Self {
         Self::Absent(NoStudy {
             reason: reason.into(),
@@ -144,7 +145,7 @@ impl RunStudy {
         }
     }
 
-    /// The check that fails where the design contradicts its draws.
+    /// The check that fails if the design contradicts its draws.
     pub fn contradiction(&self) -> Option<Check> {
         let name = match self {
             Self::Known(summary) if summary.outside.is_empty() => return None,

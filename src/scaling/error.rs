@@ -1,14 +1,14 @@
-//! Why no design of another tool can be made.
+//! Reasons why scaling to another tool is impossible.
 
 use thiserror::Error;
 
 use crate::design::{Conflict, DesignError, Problem};
 
-/// Why no design of another tool can be made.
+/// Reason why scaling to another tool is impossible.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ScalingError {
-    /// A class that the rules do not have.
+    /// A class that the rules do not contain.
     #[error("there is no class of tools `{class}`")]
     UnknownClass {
         /// The name given.
@@ -24,7 +24,7 @@ pub enum ScalingError {
         /// The conflict.
         source: Box<DesignError>,
     },
-    /// Rules that cannot be read; never with the rules of a tested program.
+    /// Rules that cannot be read; impossible with the rules of a tested program.
     #[error("the rules of scaling cannot be read: {problem}")]
     Rules {
         /// The fault.

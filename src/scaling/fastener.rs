@@ -1,4 +1,4 @@
-//! The fastener of a scaled tool: a name of the catalogue, or length and diameter.
+//! The fastener of a scaled tool: a name from the catalogue, or length and diameter.
 
 use std::str::FromStr;
 
@@ -10,11 +10,11 @@ use crate::design::{self, Named, Value, length_in_words};
 /// A fastener.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fastener {
-    /// One of the catalogue.
+    /// A fastener of the catalogue.
     Named(Named),
     /// A shank by its length and diameter \[m\].
     Size {
-        /// Length with the head, of a staple that of its legs.
+        /// Length including the head; for a staple, length of its legs.
         length: f64,
         /// Diameter of the shank.
         diameter: f64,
@@ -33,7 +33,7 @@ impl FromStr for Fastener {
         let expected =
             || "give a name of `nailnoise list nails`, or length and diameter as in \"64 x 1.6 mm\"".to_owned();
         let (length, diameter) = text.split_once('x').ok_or_else(expected)?;
-        // Both have the unit after the second, unless the first has one.
+        // Both have the unit given after the second, unless the first has its own.
         let unit = diameter
             .trim()
             .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
@@ -56,7 +56,7 @@ impl FromStr for Fastener {
 }
 
 impl Fastener {
-    /// A number that it sets.
+    /// A numerical value of a key that it sets.
     pub(super) fn number(&self, key: &str) -> Option<f64> {
         match (self, key) {
             (Self::Size { length, .. }, "nail.length") => Some(*length),

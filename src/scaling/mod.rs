@@ -21,19 +21,19 @@ pub use rules::{Class, Rule, Rules};
 pub use tool::{PSI, RATED};
 pub use trial::{Setting, Settled, TrialShot};
 
-/// The design that is scaled.
+/// The design from which other tools are scaled.
 pub const BASE: &str = "n80cb.toml";
 
-/// The given data of a new tool; missing data are those of its class.
+/// The data given for a new tool; missing data are taken from its class.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Class of the tool, a name of `rules.toml`.
+    /// Class of the tool: a name in `rules.toml`.
     pub class: String,
-    /// The shipped design that is scaled, by its path: [`BASE`], or one of the N80CB on another support.
+    /// Path of the shipped design that is scaled: [`BASE`], or a design of the N80CB on another support.
     pub base: &'static str,
     /// Bore of the cylinder \[m\].
     pub bore: Option<f64>,
-    /// Travel of the piston \[m\].
+    /// Stroke of the piston \[m\].
     pub stroke: Option<f64>,
     /// Mass of the complete tool without fasteners \[kg\].
     pub mass: Option<f64>,
@@ -41,7 +41,7 @@ pub struct Request {
     pub fastener: Option<Fastener>,
 }
 
-/// A finished design of another tool.
+/// A finished design of a scaled tool.
 #[derive(Debug, Clone)]
 pub struct Scaled {
     /// The text of the design file.
@@ -50,9 +50,9 @@ pub struct Scaled {
     pub settled: Settled,
     /// Description of the tool: class, bore, stroke and mass.
     pub what: String,
-    /// The fastener in words.
+    /// Description of the fastener.
     pub fastener: String,
-    /// Drive energy that makers state for the class and its source.
+    /// Drive energy that manufacturers state for the class, with its source.
     pub published: Option<(f64, String)>,
 }
 
@@ -86,11 +86,11 @@ impl Request {
     }
 }
 
-/// The design of a tool under the name of its file, at the pressure and depth adjustment at which its shots drive the
-/// fastener, if there are any within the rated pressures.
+/// The design of a tool with the name of its file. Pressure and depth adjustment are such that its shots drive the
+/// fastener, if this is possible within the rated pressures.
 ///
 /// # Errors
-/// [`ScalingError`] for an unknown class, and for conflicting dimensions; errors of the cycle.
+/// [`ScalingError`] for an unknown class or conflicting dimensions; errors of the cycle.
 pub fn scaled(request: &Request, file: &str) -> Result<Scaled, Error> {
     let rules = Rules::load()?;
     let tool = request.tool(&rules)?;

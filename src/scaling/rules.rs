@@ -1,4 +1,4 @@
-//! Classes of tools and rules of scaling, as `rules.toml` states them.
+//! Classes of tools and scaling rules, as stated in `rules.toml`.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::error::{ScalingError, broken};
 
 const TEXT: &str = include_str!("rules.toml");
 
-/// Everything that `rules.toml` states.
+/// Content of `rules.toml`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
@@ -18,7 +18,7 @@ pub struct Rules {
     pub rules: Vec<Rule>,
 }
 
-/// A class of tools with its defaults, quantities as text with a unit.
+/// A class of tools with its defaults; quantities are text with a unit.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Class {
@@ -26,17 +26,17 @@ pub struct Class {
     pub what: String,
     /// Bore of the cylinder.
     pub bore: String,
-    /// Travel of the piston.
+    /// Stroke of the piston.
     pub stroke: String,
     /// Mass of the tool without fasteners.
     pub mass: String,
     /// Fastener, a name of `nailnoise list nails`.
     pub nail: String,
-    /// Form of the magazine: `stick` or `coil`.
+    /// Type of the magazine: `stick` or `coil`.
     pub magazine: String,
     /// Provenance of the defaults.
     pub source: String,
-    /// Drive energy that a maker states for a tool of the class, if one was found.
+    /// Drive energy that a manufacturer states for a tool of the class, if known.
     pub energy: Option<String>,
     /// Source of that energy.
     pub energy_source: Option<String>,
@@ -46,7 +46,7 @@ pub struct Class {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rule {
-    /// Description of the keys, and why they scale so.
+    /// Description of the keys, and the reason for the scaling.
     pub what: String,
     /// Exponent of the bore.
     #[serde(default)]
@@ -57,19 +57,19 @@ pub struct Rule {
     /// Exponent of the mass of the tool.
     #[serde(default)]
     pub mass: f64,
-    /// Least factor by which the range goes beyond the value on either side.
+    /// Minimum factor by which the range extends beyond the value on either side.
     #[serde(default = "least_spread")]
     pub spread: f64,
     /// Full names of the keys.
     pub keys: Vec<String>,
 }
 
-/// A value gets a range of 10 % if its base has none.
+/// A value has a range of 10 % if its base has none.
 fn least_spread() -> f64 {
     1.1
 }
 
-/// Bore, stroke and mass of a tool over those of the base.
+/// Ratios of bore, stroke and mass of a tool to those of the base.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ratios {
     pub(super) bore: f64,
@@ -81,7 +81,7 @@ impl Rules {
     /// The rules of the program.
     ///
     /// # Errors
-    /// None with the rules of a tested program.
+    /// `None` is impossible with the rules of a tested program.
     pub fn load() -> Result<Self, ScalingError> {
         toml::from_str(TEXT).map_err(broken)
     }
@@ -93,12 +93,12 @@ impl Rules {
 }
 
 impl Rule {
-    /// The factor on the values of the base.
+    /// The factor by which values of the base are multiplied.
     pub(super) fn factor(&self, ratios: Ratios) -> f64 {
         ratios.bore.powf(self.bore) * ratios.stroke.powf(self.stroke) * ratios.mass.powf(self.mass)
     }
 
-    /// The law in words: "bore^2 stroke^-1".
+    /// The law as text: "bore^2 stroke^-1".
     pub fn law(&self) -> String {
         let powers = [("bore", self.bore), ("stroke", self.stroke), ("mass", self.mass)];
         let parts = powers.into_iter().filter(|(_, n)| *n != 0.0).map(|(name, n)| {

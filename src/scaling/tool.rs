@@ -5,13 +5,13 @@ use super::rules::Class;
 use crate::design::length_in_words;
 use crate::wording::trimmed;
 
-/// Rated gauge pressures of all classes of tools \[Pa\]: 70 to 120 psig, as for the N80CB.
+/// Rated gauge pressures of all tool classes \[Pa\]: 70 to 120 psig, as for the N80CB.
 pub const RATED: [f64; 2] = [70.0 * PSI, 120.0 * PSI];
 
 /// Pound-force per square inch \[Pa\].
 pub const PSI: f64 = 6_894.757_293_168;
 
-/// A value, and whether it was given or is that of the class.
+/// A value, either given or taken from the class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Chosen {
     /// The value in SI units.
@@ -33,7 +33,7 @@ pub(crate) struct Tool<'a> {
 }
 
 impl Tool<'_> {
-    /// "finish-nailer of 38 mm bore, 95 mm stroke and 1.2 kg".
+    /// Description, such as "finish-nailer of 38 mm bore, 95 mm stroke and 1.2 kg".
     pub(super) fn words(&self) -> String {
         let [bore, stroke] = [self.bore, self.stroke].map(|chosen| length_in_words(chosen.value));
         let mass = trimmed(self.mass.value, 3);

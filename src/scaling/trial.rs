@@ -7,23 +7,23 @@ use crate::chain;
 use crate::design::{Design, inputs};
 use crate::error::Error;
 
-/// Gauge pressures in the order of trial \[psi\]: first the usual one, then the lowest that works.
+/// Gauge pressures in the order in which they are tried \[psi\]: the usual one first, then the lowest that works.
 const PRESSURES: [f64; 6] = [90.0, 80.0, 70.0, 100.0, 110.0, 120.0];
 
-/// Depth adjustments in the order of trial, as factors on the scaled protrusion of the rod.
+/// Depth adjustments in the order in which they are tried, as factors on the scaled protrusion of the rod.
 const DEPTHS: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
 /// Steps of Simpson's rule over the nail's length.
 const STEPS: u32 = 1000;
 
-/// Settings by the user of the tool.
+/// Settings that the user of a tool chooses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Gauge pressure at the inlet \[Pa\].
     pub pressure: f64,
-    /// Protrusion of the rod over that of the rules.
+    /// Ratio of the rod's protrusion to that of the rules.
     pub depth: f64,
-    /// Whether a finger releases the trigger, because the recoil does not lift the tool far enough.
+    /// Whether the finger releases the trigger, because the recoil does not lift the tool far enough.
     pub by_hand: bool,
 }
 
@@ -41,14 +41,14 @@ pub struct TrialShot {
 /// A design at the setting that was chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settled {
-    /// The setting: one that drives the fastener, else the highest pressure with the deepest adjustment.
+    /// The setting: one that drives the fastener; otherwise the highest pressure with the deepest adjustment.
     pub setting: Setting,
     /// The shot at that setting.
     pub shot: TrialShot,
     /// Work of the penetration law over the length of the fastener \[J\].
     pub needed: f64,
-    /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: makers state this as the energy of a
-    /// tool. None where the tool is so strong that nothing stops its piston.
+    /// Energy delivered by the tool until the head is flush, at 100 psig \[J\], which manufacturers state as the energy
+    /// of a tool. `None` if the tool is so strong that nothing stops its piston.
     pub tool_energy: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ impl TrialShot {
         }
     }
 
-    /// Whether the nail is in, its head not deeper than the design allows.
+    /// Whether the nail is driven and its head is no deeper than the design allows.
     pub fn drives(&self) -> bool {
         match self.outcome {
             Outcome::Drives => true,
@@ -74,7 +74,7 @@ impl TrialShot {
 
 /// Tries pressures and depth adjustments on the design that `make` gives for a setting.
 ///
-/// A shot that stops on the wood is preferred to one whose piston ends on the bumper.
+/// A shot that stops on the wood is preferred to one whose piston hits the bumper.
 pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<Settled, Error> {
     let mut driven = None;
     let mut last = None;
@@ -123,7 +123,7 @@ pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<
     })
 }
 
-/// A shot with its trigger released: by hand where the recoil does not.
+/// A shot whose trigger is released by hand if the recoil does not release it.
 fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -> Result<(Setting, TrialShot), Error> {
     let design = make(setting)?;
     let record = match chain::cycle(&design) {
@@ -160,8 +160,8 @@ fn needed(design: &Design) -> Result<f64, Error> {
     Ok(terms.sum::<f64>() * h / 3.0)
 }
 
-/// Energy of a shot until the head is flush \[J\]: lost in the impact on the nail, taken by the law, and left in piston
-/// and nail. None where nothing stops the piston.
+/// Energy of a shot until the head is flush \[J\]: energy lost in the impact on the nail, work of the penetration law,
+/// and energy left in piston and nail. `None` if nothing stops the piston.
 fn tool_energy(design: &Design) -> Result<Option<f64>, Error> {
     let record = match chain::cycle(design) {
         Err(Error::Cycle(CycleError::DryFire { .. })) => return Ok(None),

@@ -13,25 +13,26 @@ use super::trial::Setting;
 use crate::design::{Design, Entry, Value, quantity_in_words};
 use crate::shipped::file_name;
 
-/// How far the tip of the nail waits inside the nose \[m\], as that of the base.
+/// Distance of the waiting nail's tip from the end of the nose \[m\], as in the base.
 const TIP_INSIDE: f64 = 4e-3;
 
 /// Crown of the medium staples of the catalogue, 7/16 in \[m\].
 const CROWN: f64 = 11.11e-3;
 
-/// Head of the base's nail, under which the wood has the stiffness k_w = H_M \[m\].
+/// Head diameter of the base's nail, for which the wood has the stiffness k_w = H_M \[m\].
 const HEAD: f64 = 7.6e-3;
 
 /// Thinnest shank that was tested \[m\].
 const THINNEST: f64 = 2.032e-3;
 
-/// Stiffness of a soft tip: rubber of 10 MPa, 3 mm thick, under the face of a small nose of 170 mm2 \[N/m\].
+/// Stiffness of a soft tip: rubber of 10 MPa, 3 mm thick, below the face of a small nose with an area of 170 mm2
+/// \[N/m\].
 const TIP_STIFFNESS: f64 = 0.57e6;
 
 /// Damping ratio of a soft tip, of rubber with a loss factor near 0.4.
 const TIP_DAMPING: f64 = 0.2;
 
-/// The design of a tool at a pressure and depth adjustment, over the base.
+/// Text of the design of a tool, as differences from the base, at a pressure and depth adjustment.
 pub(super) fn text(rules: &Rules, tool: &Tool, base: &Design, setting: Setting) -> Result<String, ScalingError> {
     let entries = base.entries();
     let mut file = File {
@@ -108,7 +109,7 @@ impl File<'_> {
         };
         let [value, low, high] = [value, range[0], range[1]].map(|x| quantity_in_words(x, dimension));
         let (number, unit) = low.split_once(' ').unwrap_or((&low, ""));
-        // A range states the unit once, after its end.
+        // In a range, the unit follows its upper end only.
         let quoted = |text: &str| {
             if unit.is_empty() {
                 text.to_owned()
@@ -124,7 +125,7 @@ impl File<'_> {
         Ok(())
     }
 
-    /// Values that were requested or belong to the class.
+    /// Values that were requested or taken from the class.
     fn given(&mut self, tool: &Tool, ratios: Ratios, setting: Setting) -> Result<(), ScalingError> {
         let source = &tool.class.source;
         let own = |chosen: Chosen| match chosen.given {
@@ -146,7 +147,7 @@ impl File<'_> {
                 "trigger.release_after = { value = \"45 ms\", range = \"30 .. 60 ms\", \
                  provenance = \"estimated: a finger; the recoil does not lift this tool off its guard\" }",
             );
-            // On the stiff nose of the base, the landing would be the loudest event of the shot.
+            // With the stiff nose of the base, the landing would be the loudest event of the shot.
             let source = "decided: a soft tip; the blow of the landing is not part of a shot";
             self.line("# This tool lands on the workpiece before its exhaust has ended.");
             self.key("contacts.nose_stiffness", TIP_STIFFNESS, [0.2e6, 1.5e6], source)?;
@@ -198,7 +199,7 @@ impl File<'_> {
         )
     }
 
-    /// A fastener by its dimensions; of a stapler, a staple with a medium crown.
+    /// A fastener given by its dimensions; for a stapler, a staple with a medium crown.
     fn size(&mut self, tool: &Tool, length: f64, diameter: f64) -> Result<(), ScalingError> {
         let class: Fastener = tool.class.nail.parse().map_err(broken)?;
         let staple = class.number("nail.legs") == Some(2.0);
@@ -255,7 +256,7 @@ impl File<'_> {
         self.line(&format!("\n# {}: {}, here {factor:.3}", rule.what, rule.law()));
         for key in &rule.keys {
             let adjusted = key == "piston.rod_protrusion" && setting.depth != 1.0;
-            // The base's value with its source, if nothing changes.
+            // If nothing changes, the base's value with its source.
             if factor == 1.0 && !adjusted {
                 continue;
             }

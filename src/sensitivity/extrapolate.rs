@@ -1,34 +1,34 @@
-//! A derivative from differences at falling steps, with an estimate of its error.
+//! A derivative from differences at decreasing steps, with an error estimate.
 
 /// A derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Estimate {
     pub(super) value: f64,
     pub(super) error: f64,
-    /// The smallest step it is made of.
+    /// The smallest step used.
     pub(super) step: f64,
 }
 
-/// Extrapolates differences at the steps h, h/2, h/4, ... to the step zero (Ridders, "Accurate computation of F'(x) and
-/// F'(x) F''(x)", 1982).
+/// Extrapolates differences at the steps h, h/2, h/4, ... to a step of zero (Ridders, "Accurate computation of F'(x)
+/// and F'(x) F''(x)", 1982).
 ///
 /// `order` is the power of the step between terms of the error: 2 for central differences, 1 for one-sided ones.
-/// `noise` is how far a value may be off for reasons other than the parameter; at a small step the difference contains
-/// it divided by the step. Of all entries of the tableau
+/// `noise` is the error of a value for reasons other than the parameter; the difference at a small step contains it
+/// divided by the step. Of all entries of the tableau
 /// ```text
 /// D_k0 = difference at h/2^k,  D_km = D_k,m-1 + (D_k,m-1 - D_k-1,m-1)/(2^(order m) - 1)
 /// ```
-/// the one with the least error is taken. Its error is the larger of its distance to its two ancestors and the noise in
-/// it. This noise is noise over step in the first column and goes through the tableau with the sum of the weights'
-/// magnitudes: truncation makes the first large at long steps, noise the second at short ones. A difference that is
-/// missing ends the tableau; fewer than two yield none.
+/// the one with the smallest error is taken. Its error is the larger of its distance to its two ancestors and its
+/// noise. In the first column, the noise is `noise` divided by the step, and it propagates through the tableau with the
+/// sum of the weights' magnitudes. At long steps, truncation makes the first term large; at short ones, noise makes the
+/// second large. A missing difference ends the tableau; fewer than two yield `None`.
 pub(super) fn extrapolate(differences: &[Option<f64>], first: f64, order: i32, noise: f64) -> Option<Estimate> {
     let known: Vec<(usize, f64)> = differences
         .iter()
         .enumerate()
         .filter_map(|(k, d)| Some((k, (*d)?)))
         .collect();
-    // Steps that are missing at the long end, because the design would not be valid, leave a shorter tableau.
+    // Long steps that are missing because the design would not be valid leave a shorter tableau.
     let start = known.first()?.0;
     let run: Vec<f64> = known
         .iter()

@@ -1,16 +1,16 @@
 //! Response of the figures of a shot to the parameters of its design.
 //!
-//! For each key that has a range and takes part in the cycle, the derivative of each figure is taken from central
-//! differences at steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to the step zero. If a step leads out
-//! of the limits of a design, the differences are one-sided. The cycle has contacts and switches. Its figures are
-//! smooth in the parameters as long as these occur in the same order, so that differences through events are
-//! derivatives through events. If the order changes, the differences do not agree, which the error shows.
+//! For each key of the cycle that has a range, the derivative of each figure is computed from central differences at
+//! steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to a step of zero. If a step leaves the limits of a
+//! design, the differences are one-sided. The cycle has contacts and switches. Its figures are smooth in the parameters
+//! as long as these switch in the same order, so that differences across events converge to derivatives. If the order
+//! changes, the differences do not agree, which the error shows.
 //!
-//! Parameters rank by the effect of their ranges on a figure: the derivative times half the range, unless the runs at
-//! the ends of the range, which are also made, show that the figure does not follow it so far.
+//! Parameters are ranked by the effect of their ranges on a figure: the derivative times half the range, unless runs at
+//! the ends of the range show that the figure does not follow the derivative that far.
 //!
 //! The tolerance of the integration is a hundred times tighter than the design's. The remaining error, and that of the
-//! sampling of peaks, is measured by running the design at two tolerances and intervals, and is part of the error of
+//! sampled peaks, is measured by running the design with two tolerances and intervals. It is included in the error of
 //! every derivative.
 
 mod extrapolate;
@@ -29,15 +29,15 @@ use crate::stages::Progress;
 use crate::study::{Parameter, taking_part};
 use extrapolate::{Estimate, extrapolate};
 
-/// Longest step as a part of a parameter's size.
+/// Longest step as a fraction of a parameter's size.
 const FIRST_STEP: f64 = 0.08;
-/// Number of steps, each half the one before.
+/// Number of steps; each is half the previous one.
 const STEPS: usize = 4;
-/// Runs between two words on how far it has got.
+/// Number of runs between progress messages.
 const BATCH: usize = 64;
-/// Tolerance of the integration in parts of the design's.
+/// Tolerance of the integration as a fraction of the design's.
 const CLOSER: f64 = 1e-2;
-/// Longest interval of samples, for the peaks \[s\].
+/// Maximum sampling interval, for accurate peaks \[s\].
 const SAMPLES: f64 = 4e-6;
 
 /// Sensitivity of figures of a shot to the parameters of its design.
@@ -60,9 +60,9 @@ pub struct OutputSensitivity {
     pub unit: &'static str,
     /// Value in the design; null if its phase does not occur.
     pub value: Option<f64>,
-    /// How far integration and sampling leave the value uncertain.
+    /// Uncertainty of the value due to integration and sampling.
     pub noise: f64,
-    /// Derivatives, the one with the largest weight first; parameters without one are missing.
+    /// Derivatives, largest weight first; parameters without a derivative are missing.
     pub ranking: Vec<Derivative>,
 }
 
@@ -77,10 +77,10 @@ pub struct Derivative {
     pub error: f64,
     /// Derivative times half the parameter's range: effect of the parameter's uncertainty on the figure.
     pub effect: f64,
-    /// By how much the parameter's range moves the figure: the size of `effect`; if the figure does not follow its
-    /// derivative to the ends of the range, the larger of its moves to them.
+    /// Change of the figure over the parameter's range: the magnitude of `effect`; if the figure does not follow its
+    /// derivative to the ends of the range, the larger of the changes there.
     pub weight: f64,
-    /// Smallest step of the parameter the derivative is made of.
+    /// Smallest step of the parameter from which the derivative was computed.
     pub step: f64,
     /// The figure with the parameter at the lower and upper end of its range; null if that is not a valid design, or if
     /// the figure's phase does not occur.
@@ -93,8 +93,8 @@ impl Derivative {
         self.error <= 0.1 * self.derivative.abs()
     }
 
-    /// Whether the figure moves over the full range according to its derivative, within a factor of two; `None` if an
-    /// end is not a valid design.
+    /// Whether the figure changes over the range as its derivative predicts, within a factor of two; `None` if an end
+    /// is not a valid design.
     pub fn is_linear(&self) -> Option<bool> {
         let [low, high] = self.at_ends;
         let (moved, told) = (high? - low?, 2.0 * self.effect);
@@ -102,13 +102,13 @@ impl Derivative {
     }
 }
 
-/// A parameter, and whether the shot does something else within its range.
+/// A parameter, and whether the outcome changes within its range.
 #[derive(Debug, Clone, Serialize)]
 pub struct ParameterOutcome {
     /// The parameter.
     #[serde(flatten)]
     pub parameter: Parameter,
-    /// The outcome at the lower and upper end of the range, all else equal.
+    /// The outcomes at the lower and upper end of the range, all other parameters unchanged.
     pub ends: [End; 2],
     /// Whether an end of the range, or one of the steps, has another outcome than the design.
     pub outcome_changes: bool,
@@ -118,15 +118,15 @@ pub struct ParameterOutcome {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// The shot does this.
+    /// The outcome of the shot.
     Outcome(Outcome),
     /// The values conflict.
     Refused(String),
-    /// The cycle ends with this error.
+    /// The cycle fails with this error.
     Failed(String),
 }
 
-/// A run of the design with one parameter moved.
+/// A run of the design with one parameter changed.
 enum Run {
     Shot {
         outcome: Outcome,
@@ -136,12 +136,11 @@ enum Run {
     Failed(String),
 }
 
-/// Sensitivity of `outputs` to every key of `design` that has a range and takes part in the cycle, or to those of them
-/// in `keys`.
+/// Sensitivity of `outputs` to every key of the cycle in `design` that has a range, or to those of them in `keys`.
 ///
 /// # Errors
-/// [`Error::Cycle`] when the design itself cannot be computed, [`Error::NoSuchParameter`] for the first of `keys` that
-/// is none.
+/// [`Error::Cycle`] if the design itself cannot be computed, [`Error::NoSuchParameter`] for the first of `keys` that is
+/// not a parameter.
 pub fn sensitivity(
     design: &Design,
     outputs: &[Output],
@@ -232,7 +231,7 @@ pub fn sensitivity(
     })
 }
 
-/// The longest step of a parameter: a part of its value or of half its range, whichever is smaller and not zero.
+/// The longest step of a parameter: a fraction of its value or of half its range, whichever is smaller and not zero.
 fn first_step(parameter: &Parameter) -> f64 {
     let value = parameter.number().abs();
     let size = if value > 0.0 {
@@ -291,7 +290,7 @@ fn derivative(parameter: &Parameter, runs: &[Run], output: usize, value: f64, no
         let difference = move |k: usize| Some((figure(2 * k + side)? - value) / (sign * step(k)));
         extrapolate(&(0..STEPS).map(difference).collect::<Vec<_>>(), first, 1, 2.0 * noise)
     };
-    // Central where both sides are designs; else the side that is one.
+    // Central if both sides are valid designs; otherwise one-sided.
     let estimate: Estimate = extrapolate(&central.collect::<Vec<_>>(), first, 2, noise)
         .or_else(|| side(0, 1.0))
         .or_else(|| side(1, -1.0))?;

@@ -1,4 +1,4 @@
-//! Figures of a shot with a sensitivity on request.
+//! Figures of a shot whose sensitivity can be requested.
 
 use nailnoise_dynamics::CycleRecord;
 
@@ -9,7 +9,7 @@ use crate::error::Error;
 pub struct Output {
     /// Its name in the output.
     pub name: &'static str,
-    /// The group it can be chosen by: `speed`, `penetration`, `events`, `forces` or `masses`.
+    /// The group by which it can be chosen: `speed`, `penetration`, `events`, `forces` or `masses`.
     pub group: &'static str,
     /// SI unit.
     pub unit: &'static str,
@@ -17,7 +17,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Its value in a record; `None` where the phase it belongs to does not occur.
+    /// Its value in a record; `None` if its phase does not occur.
     pub fn of(&self, record: &CycleRecord) -> Option<f64> {
         (self.read)(record)
     }
@@ -111,10 +111,10 @@ pub const USUAL: [&str; 7] = [
     "exhaust_mass",
 ];
 
-/// The figures of these names or groups, in the order of [`OUTPUTS`]; `all` is every one.
+/// The figures with these names or in these groups, in the order of [`OUTPUTS`]; `all` selects every figure.
 ///
 /// # Errors
-/// [`Error::NoSuchOutput`] for the first name that is neither.
+/// [`Error::NoSuchOutput`] for the first name that is neither a figure nor a group.
 pub fn choose(names: &[impl AsRef<str>]) -> Result<Vec<Output>, Error> {
     let is = |output: &Output, name: &str| name == "all" || output.name == name || output.group == name;
     let names: Vec<&str> = names.iter().map(|name| name.as_ref().trim()).collect();
@@ -132,10 +132,10 @@ pub fn choose(names: &[impl AsRef<str>]) -> Result<Vec<Output>, Error> {
         .collect())
 }
 
-/// Largest value of `sign` times a history, between the samples too.
+/// Largest value of `sign` times a history, interpolated between samples.
 ///
-/// The samples of a contact of 70 us miss its peak by up to 0.4 %, by a part that changes with every parameter; the
-/// parabola through the three highest ones leaves some 1e-5.
+/// The samples of a contact of 70 us miss its peak by up to 0.4 %, and this error changes with every parameter; the
+/// parabola through the three highest samples leaves about 1e-5.
 fn peak(values: &[f64], sign: f64) -> f64 {
     let value = |index: usize| sign * values[index];
     let Some(top) = (0..values.len()).max_by(|a, b| value(*a).total_cmp(&value(*b))) else {
@@ -145,7 +145,7 @@ fn peak(values: &[f64], sign: f64) -> f64 {
         return value(top);
     }
     let (left, middle, right) = (value(top - 1), value(top), value(top + 1));
-    // A peak at the beginning or end of a contact is a jump, and no parabola.
+    // A peak at the beginning or end of a contact is a jump, which a parabola does not fit.
     if left <= 0.0 || right <= 0.0 {
         return middle;
     }

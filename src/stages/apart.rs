@@ -1,10 +1,10 @@
-//! A source without the part of it that counts to another source, as the convention of selective wrapping has it.
+//! A source separated from the part that the convention of selective wrapping assigns to another source.
 
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-/// A source, and the part of it that counts to another source.
+/// A source, and the part of it that is assigned to another source.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Apart<T> {
     /// The source without that part.
@@ -13,10 +13,10 @@ pub struct Apart<T> {
     pub moved: Option<Moved<T>>,
 }
 
-/// A part that counts to another source than the one that makes it; its energies may have either sign.
+/// A part that is assigned to another source than the one that makes it; its energies may have either sign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Moved<T> {
-    /// Name of the source to which it counts.
+    /// Name of the source to which it is assigned.
     pub to: Cow<'static, str>,
     /// Error of its energy.
     pub error: PartError,
@@ -24,17 +24,17 @@ pub struct Moved<T> {
     pub part: T,
 }
 
-/// Error of the energy of a part that counts to another source.
+/// Error of the energy of a part that is assigned to another source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PartError {
-    /// That of the part itself.
+    /// Error of the part itself.
     OfPart,
-    /// That of the source with the part: all of the error may be in the part, or all in the rest.
+    /// Error of the source with the part: it may be entirely in the part, or entirely in the rest.
     OfWhole,
 }
 
 impl<T> Apart<T> {
-    /// A source of which no part counts to another one.
+    /// A source of which no part is assigned to another one.
     pub fn whole(own: T) -> Self {
         Self { own, moved: None }
     }
@@ -45,7 +45,7 @@ impl<T> Apart<T> {
         std::iter::once(&self.own).chain(moved).collect()
     }
 
-    /// The same with a function of the source, then of its part.
+    /// Applies a function to the source, then to its part.
     pub fn map<'a, U>(&'a self, mut of: impl FnMut(&'a T) -> U) -> Apart<U> {
         Apart {
             own: of(&self.own),

@@ -1,5 +1,5 @@
-//! Which source a part counts to. By the convention of selective wrapping the outer side of the cap counts to the
-//! exhaust and the trigger vent to the body; energies move between the two, and their sum stays.
+//! Assignment of parts to sources. By the convention of selective wrapping, the outer side of the cap counts to the
+//! exhaust and the trigger vent to the body; energies move between the two, and their sum is unchanged.
 
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 
@@ -8,7 +8,7 @@ use super::microphones::AtMicrophones;
 use super::sound::{SoundSource, sum_with};
 use crate::result::Uncertainty;
 
-/// Parts that count to the source of a name, each with the source that makes it.
+/// Parts that are assigned to a source, each with the source that makes it.
 fn parts_to<'a, T>(sources: &'a [Apart<T>], to: &'a str) -> impl Iterator<Item = (&'a Apart<T>, &'a Moved<T>)> {
     let moved = sources
         .iter()
@@ -16,8 +16,8 @@ fn parts_to<'a, T>(sources: &'a [Apart<T>], to: &'a str) -> impl Iterator<Item =
     moved.filter(move |(_, moved)| moved.to == to)
 }
 
-/// Each source with the parts that count to it, and without those that count to another one. Sources are compared over
-/// `range_hz`.
+/// Each source with the parts that are assigned to it, and without those assigned to another one. Sources are compared
+/// over `range_hz`.
 pub fn counted(sources: &[Apart<&SoundSource>], range_hz: [f64; 2]) -> Vec<SoundSource> {
     let energy = |source: &SoundSource| source.spectrum.energy(range_hz, Weighting::A);
     let of_whole = |source: &Apart<&SoundSource>| {
@@ -58,7 +58,7 @@ fn sum(a: [Option<f64>; 2], b: [Option<f64>; 2]) -> [Option<f64>; 2] {
     [0, 1].map(|side| Some(a[side]? + b[side]?))
 }
 
-/// How much less and more an energy \[J\] may be.
+/// Largest decrease and increase of an energy due to its error \[J\].
 fn errors(energy: f64, uncertainty: &Uncertainty) -> [Option<f64>; 2] {
     let [minus, plus] = uncertainty.bounds();
     [
@@ -67,7 +67,8 @@ fn errors(energy: f64, uncertainty: &Uncertainty) -> [Option<f64>; 2] {
     ]
 }
 
-/// The uncertainty of an energy that may be so much less and more \[J\]; without a lower bound where it may be zero.
+/// The uncertainty of an energy with this possible decrease and increase \[J\]; without a lower bound if the energy may
+/// be zero.
 fn within(energy: f64, [less, more]: [Option<f64>; 2], basis: String) -> Uncertainty {
     let decibels = |ratio: f64| (energy > 0.0 && ratio > 0.0).then(|| 10.0 * ratio.log10());
     Uncertainty {
@@ -77,7 +78,7 @@ fn within(energy: f64, [less, more]: [Option<f64>; 2], basis: String) -> Uncerta
     }
 }
 
-/// Each source at the microphones, with the parts that count to it.
+/// Each source at the microphones, with the parts that are assigned to it.
 pub fn received(sources: &[Apart<AtMicrophones>]) -> Vec<AtMicrophones> {
     let with_parts = |source: &Apart<AtMicrophones>| {
         let parts = parts_to(sources, &source.own.source);
@@ -86,7 +87,7 @@ pub fn received(sources: &[Apart<AtMicrophones>]) -> Vec<AtMicrophones> {
     sources.iter().map(with_parts).collect()
 }
 
-/// Energy of each source over frequency, with the parts that count to it.
+/// Energy spectrum of each source, with the parts that are assigned to it.
 pub fn spectra(sources: &[Apart<SourceSpectrum>]) -> Vec<SourceSpectrum> {
     let with_parts = |source: &Apart<SourceSpectrum>| {
         let parts = parts_to(sources, &source.own.source);
@@ -109,7 +110,7 @@ mod tests {
         let found = errors(2.0, &uncertainty);
         let back = within(2.0, found, String::new());
         assert!((back.minus.unwrap_or(0.0) - 1.0).abs() < 1e-12 && (back.plus.unwrap_or(0.0) - 2.0).abs() < 1e-12);
-        // A tenth of the energy may be nothing, or more than six times itself.
+        // A tenth of the energy may be nothing, or more than six times as large.
         let part = within(0.2, found, String::new());
         assert!(
             part.minus.is_none() && part.plus.is_some_and(|plus| (plus - 8.356).abs() < 0.001),

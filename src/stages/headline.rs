@@ -1,5 +1,5 @@
-//! Headline of a shot that does not end as it should: how it ended, the figure by which it misses, and the inputs that
-//! would change that most. Reports, tables, pages and Python all show this text before the levels.
+//! Headline of a shot that does not end as it should: the outcome, the figure by which it misses, and the inputs that
+//! would change it most. Reports, tables, pages and Python all show this text before the levels.
 
 use nailnoise_dynamics::{CycleRecord, Outcome, Parameters, simulate};
 use rayon::prelude::*;
@@ -10,24 +10,24 @@ use super::cycle::Cycle;
 use super::{Code, Postcard, Progress, Stage, code};
 use crate::error::Error;
 
-/// Inputs that are named.
+/// Maximum number of inputs named.
 const NAMED: usize = 3;
 
-/// Part of the figure by which an input must change it to be named.
+/// Fraction of the figure by which an input must change it to be named.
 const NOTABLE: f64 = 0.01;
 
 /// Headline of a shot that does not drive its nail and open its exhaust.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Headline {
-    /// Name of the outcome, as `underdriven`.
+    /// Name of the outcome, such as `underdriven`.
     pub outcome: String,
-    /// The same with its figures, in a sentence.
+    /// The outcome with its figures, in a sentence.
     pub text: String,
-    /// Whether the exhaust opens; where it does not, the level of the exhaust is that of the trigger vent.
+    /// Whether the exhaust opens; if not, the level of the exhaust is that of the trigger vent.
     pub exhaust_opens: bool,
-    /// The figure by which the shot misses: a length, speed or pressure, the smaller the better.
+    /// The figure by which the shot misses: a length, speed or pressure; smaller is better.
     pub figure: Figure,
-    /// At most three inputs that change the figure most for the better, one at a time over their ranges.
+    /// At most three inputs that improve the figure most, changed one at a time within their ranges.
     pub inputs: Vec<Influence>,
 }
 
@@ -42,7 +42,7 @@ pub struct Figure {
     pub unit: String,
 }
 
-/// An input at the end of its range at which the shot misses less.
+/// An input at an end of its range at which the shot misses by less.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Influence {
     /// The key.
@@ -57,7 +57,7 @@ pub struct Influence {
     pub figure: f64,
 }
 
-/// Limits by which a shot misses.
+/// Quantities by which a shot can miss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Miss {
     /// Length of the nail above the surface.
@@ -66,16 +66,16 @@ pub(crate) enum Miss {
     HeadDepth,
     /// Speed at which the piston meets the bumper.
     BumperSpeed,
-    /// Missing lift of the head valve to open the intake.
+    /// Lift of the head valve that is missing for the intake to open.
     Lift,
-    /// Missing rise of the tool to release the trigger valve.
+    /// Rise of the tool that is missing for the trigger valve to be released.
     Rise,
     /// Overpressure above the piston when the record ends.
     PressureLeft,
 }
 
 impl Miss {
-    /// That of an outcome; none if nothing is missed.
+    /// The quantity for an outcome; `None` if nothing is missed.
     pub(crate) fn of(outcome: Outcome) -> Option<Self> {
         match outcome {
             Outcome::Drives => None,
@@ -88,8 +88,8 @@ impl Miss {
         }
     }
 
-    /// Whether an input that leads to this outcome helps: not where the shot misses in another way. A nail that is
-    /// driven too far at the end of a range is driven well within it.
+    /// Whether an input that leads to this outcome helps, which it does not if the shot then misses in another way. A
+    /// nail that is driven too deep at the end of a range is driven correctly somewhere inside it.
     fn reaches(self, outcome: Outcome) -> bool {
         let depth = |miss| matches!(miss, Self::Protrusion | Self::HeadDepth);
         Self::of(outcome).is_none_or(|other| other == self || depth(other) && depth(self))
@@ -107,7 +107,7 @@ impl Miss {
         }
     }
 
-    /// A value of it as a person reads it.
+    /// Its value in readable form.
     fn shown(self, value: f64) -> String {
         match self {
             Self::Protrusion if value < 0.0 => format!("its head is {:.1} mm below the surface", -1e3 * value),
@@ -158,7 +158,7 @@ fn pressure_left(record: &CycleRecord, parameters: &Parameters) -> f64 {
     last.map_or(0.0, |pressure| pressure - parameters.ambient.pressure)
 }
 
-/// How a shot ended, in a sentence, whether or not it drives the nail.
+/// The outcome of a shot in a sentence, whether or not the nail is driven.
 pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
     let depth = 1e3 * record.summary.head_depth;
     let head = match depth {
@@ -201,7 +201,7 @@ pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
 }
 
 impl Headline {
-    /// The headline of a shot without the inputs that change it; none if the nail is driven and the exhaust opens.
+    /// The headline of a shot without the inputs that change it; `None` if the nail is driven and the exhaust opens.
     pub fn of(record: &CycleRecord, parameters: &Parameters) -> Option<Self> {
         let miss = Miss::of(record.outcome)?;
         let exhaust_opens = record.events.t13.is_some();
@@ -233,7 +233,7 @@ impl Headline {
         })
     }
 
-    /// The headline of a finished result that has none: of an earlier version of the program.
+    /// The headline of a finished result without one, from an earlier version of the program.
     pub fn of_finished(outcome: &str, head_depth: Option<f64>, exhaust_opens: bool) -> Option<Self> {
         let found = Outcome::ALL.into_iter().find(|own| own.name() == outcome)?;
         Miss::of(found)?;
@@ -260,7 +260,7 @@ impl Headline {
         })
     }
 
-    /// Which inputs would change it most, in words; none if unknown.
+    /// Text about the inputs that would change it most; `None` if unknown.
     pub fn advice(&self) -> Option<String> {
         if self.inputs.is_empty() {
             return None;
@@ -284,13 +284,13 @@ impl Headline {
         ))
     }
 
-    /// The sentence and the inputs, a line each.
+    /// The sentence and the inputs, one line each.
     pub fn lines(&self) -> Vec<String> {
         std::iter::once(self.text.clone()).chain(self.advice()).collect()
     }
 }
 
-/// Why levels of shots must not be compared, if they end differently; `ends` are their names and headlines.
+/// Reason why levels of shots with different outcomes must not be compared; `ends` are their names and headlines.
 pub fn unlike<'a>(ends: impl IntoIterator<Item = (&'a str, Option<&'a Headline>)>) -> Option<String> {
     let ends: Vec<(&str, Option<&Headline>)> = ends.into_iter().collect();
     let kind = |end: Option<&Headline>| end.map(|own| (own.outcome.clone(), own.exhaust_opens));
@@ -324,7 +324,7 @@ pub(crate) struct Moved {
     pub(crate) cycle: Cycle,
 }
 
-/// The figure of a missed shot with each input at the ends of its range.
+/// The figure by which a shot misses, with each input at the ends of its range.
 #[derive(Serialize)]
 pub(crate) struct Influences {
     /// The figure.
@@ -344,7 +344,7 @@ impl Stage for Influences {
 
     fn compute(&self, _: &Progress) -> Result<Vec<Influence>, Error> {
         let figure = |cycle: &Cycle| {
-            // A shot that ends with an error yields no figure.
+            // A shot that fails yields no figure.
             let record = simulate(&cycle.parameters, &cycle.settings).ok()?;
             Some((record.outcome, self.miss.value(&record, &cycle.parameters)))
         };

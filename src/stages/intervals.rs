@@ -1,7 +1,7 @@
-//! The intervals between neighbouring events, for which levels of every source are given.
+//! The intervals between adjacent events, for which levels of every source are given.
 
 use nailnoise_acoustics::signals::IntervalLevels;
-use nailnoise_dynamics::Events;
+use nailnoise_dynamics::network::EventTime;
 use serde::{Deserialize, Serialize};
 
 use crate::result::IntervalLevel;
@@ -18,7 +18,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Its levels in a result.
+    /// Its levels, in the form of a result.
     pub(super) fn in_result(&self) -> IntervalLevel {
         let own = &self.levels;
         let absorbed = own.energy < 0.0 || own.cut_energy < 0.0;
@@ -34,25 +34,23 @@ impl Interval {
     }
 }
 
-/// The events of a shot in the order of their times: the edges of its intervals.
+/// The events of a shot in chronological order: the edges of its intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventEdges {
-    /// `t0` ..., then `end`.
+    /// Names of events, then `end`.
     names: Vec<String>,
-    /// \[s\], not falling.
+    /// \[s\], in ascending order.
     times: Vec<f64>,
 }
 
 impl EventEdges {
     /// The edges of a shot whose records last until `end` \[s\]. Events that do not occur are left out.
-    pub fn new(events: &Events, end: f64) -> Self {
-        let times = events.to_array();
-        let mut marks: Vec<(f64, String)> = times
+    pub fn new(events: &[EventTime], end: f64) -> Self {
+        let happened = events
             .iter()
-            .enumerate()
-            .filter_map(|(i, time)| Some(((*time)?, format!("t{i}"))))
-            .collect();
-        // Stable: simultaneous events stay in the order of their numbers.
+            .filter_map(|event| Some((event.time?, event.name.clone())));
+        let mut marks: Vec<(f64, String)> = happened.collect();
+        // Stable: simultaneous events stay in the order of the tool.
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
         if marks.first().is_none_or(|first| first.0 > 0.0) {
             marks.insert(0, (0.0, "start".to_owned()));
@@ -68,7 +66,7 @@ impl EventEdges {
         &self.times
     }
 
-    /// Levels between these edges, with the names of the events on either side.
+    /// Levels between these edges, with the names of the adjacent events.
     pub(super) fn named(&self, levels: &[IntervalLevels]) -> Vec<Interval> {
         let interval = |(names, levels): (&[String], &IntervalLevels)| Interval {
             from: names[0].clone(),
@@ -85,16 +83,20 @@ mod tests {
 
     #[test]
     fn edges_are_in_the_order_of_their_times() {
-        let events = Events {
-            t0: Some(0.0),
-            t9: Some(0.02),
-            t10: Some(0.01),
-            ..Events::default()
+        let event = |name: &str, time| EventTime {
+            name: name.to_owned(),
+            time,
         };
+        let events = [
+            event("t0", Some(0.0)),
+            event("t3", None),
+            event("t9", Some(0.02)),
+            event("t10", Some(0.01)),
+        ];
         let edges = EventEdges::new(&events, 0.1);
         assert_eq!(edges.names, ["t0", "t10", "t9", "end"]);
         assert_eq!(edges.times, [0.0, 0.01, 0.02, 0.1]);
-        let none = EventEdges::new(&Events::default(), 0.1);
+        let none = EventEdges::new(&[], 0.1);
         assert_eq!(none.names, ["start", "end"]);
     }
 }

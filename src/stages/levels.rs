@@ -1,6 +1,5 @@
-//! Levels of a shot only, without its sound at microphones and histories: the record of a draw in a study.
+//! Only the levels of a shot, without sound at microphones and histories: the record of a draw in a study.
 
-use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
 use super::apart::Apart;
@@ -13,6 +12,7 @@ use super::sound::SoundSource;
 use super::sources::AnalysedSource;
 use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
+use crate::stages::cycle::ShotRecord;
 
 /// Inputs of the levels of a shot.
 #[derive(Serialize)]
@@ -20,12 +20,12 @@ pub struct ShotLevels {
     /// The sources.
     pub sources: Vec<Stored<AnalysedSource>>,
     /// The cycle of the shot.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
-    /// Elastic bodies, whose checks count.
+    /// Elastic bodies, whose checks are included.
     pub bodies: Vec<Stored<Body>>,
-    /// Their responses, whose checks count.
+    /// Their responses, whose checks are included.
     pub responses: Vec<Stored<Vibration>>,
     /// Sensors, if the design has any.
     pub sensors: Option<Sensors>,
@@ -51,7 +51,7 @@ pub struct SourceLevels {
     pub source: String,
     /// A-weighted single-event sound power level \[dB re 1 pW s\]; `None` when silent.
     pub lwa_db: Option<f64>,
-    /// Bounds of its method's error \[dB\], both positive; `None` where the method gives no bound.
+    /// Bounds of the method's error \[dB\], both positive; `None` if the method gives no bound.
     pub method_db: [Option<f64>; 2],
     /// Nominal mid-band frequency \[Hz\] and A-weighted level \[dB re 1 pW s\] of each one-third-octave band.
     pub bands: Vec<(f64, Option<f64>)>,
@@ -120,7 +120,7 @@ impl Stage for ShotLevels {
         let records = self.sensors.as_ref().map(Sensors::records).transpose()?;
         let rms = |record: &SensorRecord| (record.name.clone(), record.level().rms_g);
         Ok(Levels {
-            outcome: record.outcome.name().to_owned(),
+            outcome: record.outcome.clone(),
             sources: sources.iter().filter_map(levels).collect(),
             failed_checks: failed.map(|check| check.name.to_string()).collect(),
             sensors: records.iter().flatten().map(rms).collect(),

@@ -1,12 +1,12 @@
-//! The stages of the chain from inputs to sound power, and functions that several of them share; `chain` shows their
+//! The stages of the chain from inputs to sound power, and functions shared by several of them; `chain` shows their
 //! order.
 //!
-//! A [`Stage`] is a value that contains all its inputs and nothing else. Its key is the digest of its name, of the code
-//! it calls and of its serialised fields, so that a stored result can be neither stale nor confused with another. A
-//! large input is a [`Stored`]: it counts by the key of the stage that makes it, and is made when it is first read.
+//! A [`Stage`] is a value that contains exactly its inputs. Its key is the digest of its name, the code it calls and
+//! its serialised fields, so that a stored result can be neither stale nor confused with another. A large input is a
+//! [`Stored`]: its key is that of the stage that makes it, and it is computed when it is first read.
 //!
 //! Stages depend neither on the design file nor on the store. `design::inputs` makes their fields from a design,
-//! `chain` assembles them, and `graph` looks them up, computes, stores and times them.
+//! `chain` assembles them, and `graph` finds them in the store or computes, stores and times them.
 
 pub mod apart;
 pub mod bodies;
@@ -44,8 +44,8 @@ use crate::error::Error;
 /// The output of a stage of this program, as an input of another.
 pub type Stored<T> = nailnoise_pipeline::Stored<T, Error>;
 
-/// The [`Code`] of a stage: the crates whose functions it calls, as `dynamics`, and the modules of `stages`, as
-/// `stages_bodies`, that make its output. The digests are made at build time (`build.rs`).
+/// The [`Code`] of a stage: the crates whose functions it calls, such as `dynamics`, and the modules of `stages` that
+/// make its output, such as `stages_bodies`. The digests are made at build time (`build.rs`).
 macro_rules! code {
     ($($unit:ident),* $(,)?) => {
         $crate::stages::Code(&[$((stringify!($unit), env!(concat!("NAILNOISE_CODE_", stringify!($unit))))),*])

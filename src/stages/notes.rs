@@ -1,21 +1,20 @@
 //! Notes of a run: facts that a reader needs in addition to its numbers.
 
-use nailnoise_dynamics::CycleRecord;
-
 use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
+use crate::stages::cycle::ShotRecord;
 
 /// Notes on one source.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SourceNotes {
-    /// On the shot: a level that is only an estimate or a bound, or ends at a lower frequency than the others.
+    /// Notes on the shot: a level that is only an estimate or a bound, or ends at a lower frequency than the others.
     pub shot: Vec<String>,
-    /// On the method: its range, errors and limits.
+    /// Notes on the method: its range, errors and limits.
     pub methods: Vec<String>,
 }
 
 /// Inputs of the notes of a run, in addition to its cycle.
 pub struct NoteInputs<'a> {
-    /// How the shot ended, in words.
+    /// The outcome of the shot, in words.
     pub shot: String,
     /// Notes on each source.
     pub sources: Vec<SourceNotes>,
@@ -23,7 +22,7 @@ pub struct NoteInputs<'a> {
     pub fluid_loading: Vec<(&'a str, &'a FluidLoading)>,
     /// Levels with the frozen and the complete impedance of the air, if its mass acts.
     pub fluid_loading_changes: &'a [FluidLoadingChange],
-    /// Parts that are absent above a frequency.
+    /// Parts without levels above a frequency.
     pub truncations: Vec<String>,
     /// How the response ended, in words.
     pub ending: &'a str,
@@ -31,9 +30,9 @@ pub struct NoteInputs<'a> {
     pub idle_sensors: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
     pub limited_sensors: Vec<(&'a str, f64)>,
-    /// Place of the shot in the range of a fitted penetration law, in words.
+    /// Position of the shot within the range of a fitted penetration law, in words.
     pub fitted_law: Vec<String>,
-    /// Values outside the ranges that the design gives, in words.
+    /// Values outside the ranges given by the design, in words.
     pub outside_ranges: Vec<String>,
     /// Springs on bodies that are not in the design.
     pub idle_springs: Vec<&'a str>,
@@ -41,21 +40,21 @@ pub struct NoteInputs<'a> {
     pub idle_surfaces: Vec<&'a str>,
     /// Surfaces that the program recognised, in words.
     pub guessed: Vec<String>,
-    /// Parts that count to another source than by the physical convention, in words.
+    /// Parts that are not assigned by the physical convention, in words.
     pub convention: Option<String>,
 }
 
-/// Notes on one run, most important first.
+/// Notes on a run, most important first.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Notes {
-    /// On the shot, the values of the design, and sources that are only estimated.
+    /// Notes on the shot, the values of the design, and sources that are only estimated.
     pub shot: Vec<String>,
-    /// On methods: their ranges, errors and limits.
+    /// Notes on methods: their ranges, errors and limits.
     pub methods: Vec<String>,
 }
 
 /// Notes on one run.
-pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord) -> Notes {
+pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
@@ -107,19 +106,20 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord) -> Notes {
 struct Landing {
     /// When the nose meets the workpiece \[s\].
     time: f64,
-    /// Speed at which it does \[m/s\].
+    /// Speed of the nose at that time \[m/s\].
     speed: f64,
-    /// Largest force on the nose from then on \[N\].
+    /// Largest force on the nose after that \[N\].
     force: f64,
 }
 
 impl Landing {
-    /// How long the nose must be free of the workpiece before \[s\]: contacts that chatter during the drive do not
-    /// count as landings.
+    /// Time for which the nose must have left the workpiece \[s\]: contacts that chatter during the drive do not count
+    /// as landings.
     const FLIGHT: f64 = 5e-3;
 
-    fn of(record: &CycleRecord) -> Option<Self> {
-        let nose = &record.forces.nose;
+    fn of(record: &ShotRecord) -> Option<Self> {
+        let (workpiece, tool) = (record.workpiece.as_ref()?, record.tool.as_ref()?);
+        let nose = &workpiece.nose;
         let flight = (Self::FLIGHT / record.sample_interval) as usize;
         let mut free = 0;
         for (sample, force) in nose.iter().enumerate() {
@@ -127,7 +127,7 @@ impl Landing {
                 if free > flight {
                     return Some(Self {
                         time: record.time(sample),
-                        speed: record.tool.velocity[sample - 1] - record.workpiece.velocity[sample - 1],
+                        speed: tool.velocity[sample - 1] - workpiece.motion.velocity[sample - 1],
                         force: nose[sample..].iter().copied().fold(0.0, f64::max),
                     });
                 }
@@ -171,7 +171,7 @@ pub fn radiation_note(what: &str, report: &RadiationReport) -> String {
     )
 }
 
-/// Added mass of a mode, relative to its own, beyond which it should act on the motion.
+/// Added mass of a mode relative to its modal mass above which it should be included in the motion.
 const NOTABLE_MASS: f64 = 0.02;
 
 /// Effect of fluid loading on some sources.
@@ -185,7 +185,7 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
             Loading::Damping => damping,
             Loading::Full => damping + mass.unwrap_or(0.0),
         };
-        // Without the sign of a negative zero.
+        // Avoids the sign of a negative zero.
         let db = |level: f64| format!("{:.1}", if level.abs() < 0.05 { 0.0 } else { level });
         let left_out = |acts: bool| if acts { "" } else { ", left out," };
         let mut part = format!(
@@ -240,7 +240,7 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
     })
 }
 
-/// A level in words; silence is "none".
+/// A level as text; silence is "none".
 pub fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"))
 }
@@ -250,18 +250,18 @@ mod tests {
     use super::*;
     use crate::design::Design;
 
-    /// A tool that a finger releases while it is in flight falls from its highest position at the acceleration of
-    /// gravity and push.
+    /// A tool that a finger releases in flight falls from its highest position with the acceleration due to gravity and
+    /// push.
     #[test]
     fn a_tool_lands_at_the_speed_of_its_fall() {
         let mut design = Design::shipped("n80cb.toml").unwrap();
-        assert!(Landing::of(&crate::chain::cycle(&design).unwrap()).is_none());
+        assert!(Landing::of(&crate::chain::shot(&design).unwrap()).is_none());
         design.contacts.guard_travel = 60e-3;
         design.contacts.guard_stiffness = 500.0;
         design.trigger.release_after = 0.06;
         design.hand.force = 300.0;
+        let landing = Landing::of(&crate::chain::shot(&design).unwrap()).unwrap();
         let record = crate::chain::cycle(&design).unwrap();
-        let landing = Landing::of(&record).unwrap();
         let before = (landing.time / record.sample_interval) as usize - 1;
         let height = |sample: usize| record.workpiece.position[sample] - record.tool.position[sample];
         let top = (0..before).max_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap();

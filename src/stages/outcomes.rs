@@ -1,18 +1,19 @@
-//! Outcomes of many shots, without their sound: the cheap part of a study.
+//! Outcomes of many shots without their sound: the inexpensive part of a study.
 
+use nailnoise_dynamics::network::{self, RunError};
 use nailnoise_dynamics::{CycleError, simulate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::cycle::Cycle;
+use super::cycle::{AssembledCycle, Cycle, Engine, ShotRecord};
 use super::{Code, Postcard, Progress, Stage, code};
 use crate::error::Error;
 
 /// The cycles of several shots.
 #[derive(Serialize)]
 pub struct Outcomes {
-    /// One after the other.
-    pub cycles: Vec<Cycle>,
+    /// The engine of each.
+    pub engines: Vec<Engine>,
 }
 
 /// The outcome of a shot.
@@ -20,11 +21,11 @@ pub struct Outcomes {
 pub enum ShotOutcome {
     /// The cycle was computed.
     Shot(ShotFigures),
-    /// The piston used up the volume below it: nothing stops it, and the model ends.
+    /// The piston used up the volume below it: nothing stops it, and the model is no longer valid.
     DryFire,
-    /// The solver gave up.
+    /// The solver failed.
     SolverFailure(String),
-    /// The values break a rule of the cycle.
+    /// The values violate a rule of the cycle.
     Refused(String),
 }
 
@@ -35,9 +36,9 @@ pub struct ShotFigures {
     pub outcome: String,
     /// Mean speed of the piston over the nail's length in the wood \[m/s\].
     pub mean_drive_speed: Option<f64>,
-    /// Deepest nail tip depth \[m\].
+    /// Maximum depth of the nail's tip \[m\].
     pub penetration: f64,
-    /// Mass out of the exhaust holes \[kg\].
+    /// Mass that left through the exhaust holes \[kg\].
     pub exhaust_mass: f64,
 }
 
@@ -61,12 +62,40 @@ impl Stage for Outcomes {
     const CODE: Code = code![dynamics, stages_cycle, stages_outcomes];
 
     fn compute(&self, _: &Progress) -> Result<Vec<ShotOutcome>, Error> {
-        Ok(self.cycles.par_iter().map(outcome).collect())
+        Ok(self.engines.par_iter().map(outcome).collect())
     }
 }
 
-/// The outcome of the shot of a cycle.
-pub fn outcome(cycle: &Cycle) -> ShotOutcome {
+/// The outcome of the shot of an engine.
+pub fn outcome(engine: &Engine) -> ShotOutcome {
+    match engine {
+        Engine::Keys(cycle) => of_keys(cycle),
+        Engine::Assembly(cycle) => of_assembly(cycle),
+    }
+}
+
+fn of_assembly(cycle: &AssembledCycle) -> ShotOutcome {
+    match network::simulate(&cycle.assembly, &cycle.numerics) {
+        Ok(record) => {
+            let shot = ShotRecord::of_assembly(&cycle.assembly, record);
+            ShotOutcome::Shot(ShotFigures {
+                mean_drive_speed: None,
+                penetration: shot.fastener_depth(),
+                exhaust_mass: shot.mass_out(),
+                outcome: shot.outcome,
+            })
+        }
+        Err(
+            error @ (RunError::Integration { .. }
+            | RunError::Collapse { .. }
+            | RunError::Chatter { .. }
+            | RunError::Switching { .. }),
+        ) => ShotOutcome::SolverFailure(error.to_string()),
+        Err(error) => ShotOutcome::Refused(error.to_string()),
+    }
+}
+
+fn of_keys(cycle: &Cycle) -> ShotOutcome {
     match simulate(&cycle.parameters, &cycle.settings) {
         Ok(record) => ShotOutcome::Shot(ShotFigures {
             outcome: record.outcome.name().to_owned(),
@@ -82,7 +111,7 @@ pub fn outcome(cycle: &Cycle) -> ShotOutcome {
     }
 }
 
-/// The rule of the cycle that a shot breaks.
+/// The rule of the cycle that a shot violates.
 fn rule(error: &CycleError) -> &'static str {
     match error {
         CycleError::ValveNotClosed { .. } => "the head valve does not close",

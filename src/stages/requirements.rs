@@ -10,6 +10,7 @@ use super::bodies::{BodyKind, FoundSurface, Meshed, Model, SensorPoint};
 use super::radiation::{CapSurface, Places, ToolRadiation, WorkpieceRadiation};
 use super::{Code, OnDemand, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 /// Requirements of a run on a body: places of forces, contacts, springs and sensors, its mass, one piece, and a surface
 /// that can radiate.
@@ -83,7 +84,7 @@ impl Stage for Requirements {
         if let Some(expected) = self.mass.filter(|_| meshed.unplaced.is_empty()) {
             let found = meshed.mass()?;
             if (found / expected - 1.0).abs() > MASS_LIMIT {
-                check(Err(Error::OtherMass { found, tool: expected }));
+                check(Err(BodyError::OtherMass { found, tool: expected }.into()));
             }
         }
         check(of_radiation);

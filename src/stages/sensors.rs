@@ -4,7 +4,6 @@ use std::f64::consts::{FRAC_PI_8, TAU};
 
 use nailnoise_acoustics::radiation::flush::MovingSand;
 use nailnoise_acoustics::signals::fourier::filtered;
-use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::vibration::{Loads, Settings};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -16,6 +15,7 @@ use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::design::Carrier;
 use crate::error::Error;
 use crate::result::SensorLevel;
+use crate::stages::cycle::ShotRecord;
 
 /// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
@@ -84,7 +84,7 @@ pub struct Sensors {
     /// The sensors.
     pub accelerometers: Vec<Accelerometer>,
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Response of workpiece and support, whose step the signals share.
     pub vibration: Stored<Vibration>,
     /// Motions of the elastic bodies.
@@ -139,7 +139,7 @@ impl Sensors {
 fn signals(
     sensors: &[Accelerometer],
     (step, samples): (f64, usize),
-    record: &CycleRecord,
+    record: &ShotRecord,
     motions: &[&SensorMotion],
 ) -> Result<Vec<SensorRecord>, Error> {
     let signal = |sensor: &Accelerometer| {
@@ -180,11 +180,11 @@ fn decayed_length(signal: &[f64]) -> usize {
 }
 
 /// Acceleration of a rigid tool, times a factor.
-fn rigid(record: &CycleRecord, (step, samples): (f64, usize), factor: f64) -> Vec<f64> {
+fn rigid(record: &ShotRecord, (step, samples): (f64, usize), factor: f64) -> Vec<f64> {
     // After the record the forces on the tool balance each other.
     let acceleration = Loads {
         interval: record.sample_interval,
-        history: DMatrix::from_row_slice(1, record.len(), &record.tool.acceleration),
+        history: DMatrix::from_row_slice(1, record.tool_acceleration().len(), record.tool_acceleration()),
         final_values: vec![0.0],
     };
     let acceleration = acceleration.sampled(step, samples, Settings::default().taper);

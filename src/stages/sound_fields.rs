@@ -130,7 +130,7 @@ impl SoundFields {
                 let body = SolvedSurface {
                     source: self.source,
                     prefix: "sound",
-                    levels: elements.levels(&surfaces, air)?,
+                    levels: elements.mesh_hierarchy(&surfaces, air)?,
                     bem: &bem,
                     spectra: &ModalSpectra::side_by_side(&spectra),
                     at: Vector3::zeros(),

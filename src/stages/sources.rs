@@ -3,7 +3,6 @@
 //! A source implements [`Emission`]; [`Energy`] and [`Analysis`] are stages of any source.
 
 use nailnoise_acoustics::signals::SourceSpectrum;
-use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
 use super::apart::Apart;
@@ -14,6 +13,7 @@ use super::truncation::Truncation;
 use super::{Code, Postcard, Progress, Stage, Stored, Uncached};
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::cycle::ShotRecord;
 
 /// Inputs of the sound that a source emits in a shot.
 pub trait Emission: Clone + Serialize + Send + Sync + 'static {
@@ -63,7 +63,7 @@ pub struct Analysis<E> {
     /// The source.
     pub emission: E,
     /// The shot, whose events separate the intervals.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// End of all records \[s\].
     pub end: Stored<f64>,
     /// Range over which sources are compared \[Hz\].

@@ -1,6 +1,5 @@
 //! Pressure transducers in the chambers of the tool.
 
-use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -8,6 +7,7 @@ use super::{Code, Progress, Stage, Stored, Uncached, code};
 use crate::design::Chamber;
 use crate::error::Error;
 use crate::result::TransducerRange;
+use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
 
 /// A piezoelectric pressure transducer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,7 +56,7 @@ pub struct Transducers {
     /// The transducers.
     pub transducers: Vec<PressureTransducer>,
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
 }
 
 impl Stage for Transducers {
@@ -85,17 +85,23 @@ impl Stage for Transducers {
 impl PressureTransducer {
     /// Absolute pressure before it \[Pa\]. In the cylinder's wall it belongs to the volume below the piston until the
     /// piston has passed it, and to that above while the piston is lower.
-    fn pressure(&self, record: &CycleRecord) -> Vec<f64> {
-        let (above, below) = (&record.above_piston.pressure, &record.below_piston.pressure);
+    fn pressure(&self, record: &ShotRecord) -> Vec<f64> {
+        let surface = match self.chamber {
+            Chamber::Return => RETURN_WALL,
+            Chamber::Cylinder => BORE,
+        };
+        let wall = record.pressures.iter().find(|wall| wall.surface == surface);
+        let Some(wall) = wall else {
+            // An assembly without this wall: the transducer reads the atmosphere.
+            return vec![record.ambient_pressure; record.len()];
+        };
         match self.chamber {
-            Chamber::Return => record.return_volume.pressure.clone(),
+            Chamber::Return => wall.pressure.clone(),
             Chamber::Cylinder => {
-                let travel = record.motion.piston_travel.iter();
-                let volumes = above.iter().zip(below);
-                travel
-                    .zip(volumes)
-                    .map(|(y, (above, below))| if *y > self.position { *above } else { *below })
-                    .collect()
+                let volumes = wall.pressure.iter().zip(&wall.below);
+                let before =
+                    |(y, (above, below)): (&f64, (&f64, &f64))| if *y > self.position { *above } else { *below };
+                wall.divide.iter().zip(volumes).map(before).collect()
             }
         }
     }

@@ -5,6 +5,9 @@
 //! on it. Both have the distribution of independent joint draws under the condition, because an accepted pair is a draw
 //! of the structure given that it is accepted.
 //!
+//! Joint draws of a calibration include dimensions of the bodies that decide the cycle. Where structures are fixed, the
+//! cycle has all values of a joint draw, and the bodies those of the design.
+//!
 //! The only output is the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study
 //! that ended early continues from there, and a larger one begins with the draws of a smaller one.
 
@@ -14,14 +17,19 @@ use super::jobs::{kept_levels, levels_of_shot, on_threads, reason};
 use super::request::{Request, Subset};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
-use super::variables::{Scope, Variable, VariableKind, common_variables, with_workpiece_sensors, without_sensors};
-use crate::chain::{Chain, Options, SharedShapes};
-use crate::design::{Design, Values};
+use super::variables::{
+    Scope, Variable, VariableKind, common_variables, drawn_scores, with_workpiece_sensors, without_sensors,
+};
+use crate::chain::{Chain, Options, SharedShapes, engine};
+use crate::design::{Coupling, Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::Progress;
 use crate::stages::levels::Levels;
 use crate::stages::outcomes::{ShotFigures, ShotOutcome};
+use crate::stages::{Progress, code};
+use crate::store::Key;
+use crate::study::StudyError;
+use crate::wording::hexadecimal;
 
 /// A draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,8 +86,8 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`]
-/// where those of no draw can be computed.
+/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted;
+/// [`StudyError::NoLevels`] where those of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
@@ -104,6 +112,7 @@ pub fn common_draws(
     let sampler = graph.time("rules between values", || {
         Sampler::new(&without_sensors(first), variables, request.seed)
     });
+    check_joint(designs, request)?;
     let designs: Vec<Design> = designs.iter().map(|design| request.with_sensors(design)).collect();
     let (mut planned, tally) = plan(graph, (&designs, &sampler), request, progress)?;
     let held = request.shots_a_structure.is_none();
@@ -116,10 +125,11 @@ pub fn common_draws(
     if let (true, Some((_, reason))) = (draws.iter().all(Vec::is_empty), failures.first())
         && request.part != Subset::Kept
     {
-        return Err(Error::NoLevels {
+        return Err(StudyError::NoLevels {
             draws: failures.len(),
             reason: reason.clone(),
-        });
+        }
+        .into());
     }
     let of_design = |draws: Vec<Draw>| Draws {
         open_ends: open_ends(&sampler, &draws),
@@ -216,11 +226,21 @@ pub(super) fn levels(
                 shared: shared[which],
                 ..Options::default()
             };
-            Chain::new(
-                graph,
-                &design_of(&designs[which], sampler, &group[place].candidate.point)?,
-                options,
-            )
+            let (design, point) = (&designs[which], &group[place].candidate.point);
+            let own = design_of(design, sampler, point)?;
+            match held_bodies(sampler, point) {
+                None => Chain::new(graph, &own, options),
+                Some(held) => {
+                    let mut bodies = design.clone();
+                    bodies
+                        .set(&sampler.changes(&held))
+                        .map_err(|error| StudyError::NoDesign {
+                            reason: error.to_string(),
+                        })?;
+                    bodies.draw_law(drawn_scores(sampler.variables(), &point.shares));
+                    Chain::with_engine(graph, &bodies, engine(&own)?, options)
+                }
+            }
         };
         // Retain the structures' stages while their draws come and go.
         let anchors: Vec<_> = (0..designs.len()).map(|which| of(0, which)).collect();
@@ -260,9 +280,57 @@ pub(super) fn levels(
     Ok((draws, failures))
 }
 
+/// Digest of the code by which joint draws are conditioned: they belong to the cycle that they were made with.
+pub(crate) fn code_of_joint_draws() -> String {
+    hexadecimal(&Key::empty().with(&code![dynamics]).digest())
+}
+
+/// Whether designs can be drawn by joint draws.
+fn check_joint(designs: &[&Design], request: &Request) -> Result<(), Error> {
+    let joint = |design: &&Design| design.study().draws.clone();
+    let mut all = designs.iter().filter_map(joint);
+    let Some(first) = all.next() else { return Ok(()) };
+    let refuse = |problem: &'static str, help: &'static str| Err(StudyError::JointDraws { problem, help }.into());
+    if first.code != code_of_joint_draws() {
+        return refuse(
+            "were made by other code of the nailing cycle",
+            "calibrate the design again: `nailnoise calibrate`",
+        );
+    }
+    if designs.first().is_some_and(|own| own.study().draws.is_none()) || all.any(|own| own.digest != first.digest) {
+        return refuse(
+            "are not common to all designs",
+            "name the calibrated design first, and give the others `base = \"calibrated.toml\"`",
+        );
+    }
+    if request.shots_a_structure.is_some() {
+        return refuse("give one shot to each structure", "leave out --structures");
+    }
+    if designs.iter().any(|own| own.support.coupling == Coupling::TwoWay) {
+        return refuse(
+            "drive bodies of the design one way",
+            "give `support.coupling = \"one-way\"`",
+        );
+    }
+    Ok(())
+}
+
+/// A point without the dimensions of the bodies that joint draws give to the cycle; none without such.
+fn held_bodies(sampler: &Sampler, point: &Point) -> Option<Point> {
+    let mut held = point.clone();
+    let mut found = false;
+    for (place, variable) in sampler.variables().iter().enumerate() {
+        if variable.scope == Scope::Structure && sampler.is_joint(place) {
+            held.shares[place] = f64::NAN;
+            found = true;
+        }
+    }
+    found.then_some(held)
+}
+
 /// The design of a point.
 fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design, Error> {
-    drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })
+    drawn(design, sampler, design, point).map_err(|reason| StudyError::NoDesign { reason }.into())
 }
 
 /// The shapes of a drawn structure that other structures may have too: those that depend only on its alternatives. A
@@ -274,10 +342,11 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
             *share = f64::NAN;
         }
     }
+    let bodies = held_bodies(sampler, point);
     SharedShapes::of(
         graph,
         &design_of(design, sampler, &chosen)?,
-        &design_of(design, sampler, point)?,
+        &design_of(design, sampler, bodies.as_ref().unwrap_or(point))?,
     )
 }
 

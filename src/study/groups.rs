@@ -21,6 +21,7 @@ use crate::graph::Graph;
 use crate::output;
 use crate::result::TOTAL;
 use crate::stages::Progress;
+use crate::study::StudyError;
 
 /// The random sequence of the partners, separate from those of all structures.
 const STREAM: u64 = u64::MAX;
@@ -128,6 +129,13 @@ pub fn group_study(
     made: &Draws,
     progress: &Progress,
 ) -> Result<(GroupStudy, Vec<u8>), Error> {
+    if design.study().draws.is_some() {
+        return Err(StudyError::JointDraws {
+            problem: "tie the inputs of different groups together",
+            help: "leave out --groups: contributions of joint draws are not separate",
+        }
+        .into());
+    }
     let designs = [without_sensors(design)];
     let sampler = Sampler::new(&designs[0], made.variables.clone(), request.seed);
     let groups = groups(&sampler);
@@ -151,7 +159,7 @@ pub fn group_study(
                 let found = screen(graph, (&designs, &sampler), frame, 1, Subset::All, |_| {});
                 let found = match found {
                     Ok((found, _)) => found,
-                    Err(Error::NothingDrawn { .. }) => Vec::new(),
+                    Err(Error::Study(StudyError::NothingDrawn { .. })) => Vec::new(),
                     Err(error) => return Err(error),
                 };
                 for candidate in found {

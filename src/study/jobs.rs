@@ -10,10 +10,11 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
+use crate::study::StudyError;
 
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the
 /// jobs.
-pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(crate) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
     let work = || loop {
@@ -42,11 +43,11 @@ pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<
     let kept = graph
         .store()
         .load::<Levels, Postcard>(ShotLevels::NAME, chain?.levels.key());
-    kept.ok_or(Error::LevelsNotKept)
+    kept.ok_or(StudyError::LevelsNotKept.into())
 }
 
 /// The levels of the shot of a chain whose bodies a run can use.
-pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Error> {
+pub(crate) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Error> {
     let chain = chain?;
     chain.check_bodies()?;
     chain.levels.get().map(|levels| Levels::clone(&levels))

@@ -50,7 +50,7 @@ impl LevelTable {
 }
 
 /// Level of all sources of a shot together \[dB re 1 pW s\]; none if all are silent.
-pub(super) fn total_of(levels: &Levels) -> Option<f64> {
+pub(crate) fn total_of(levels: &Levels) -> Option<f64> {
     let sources = levels.sources.iter();
     let total = energy_sum(sources.map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)));
     total.is_finite().then_some(total)

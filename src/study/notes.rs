@@ -45,6 +45,16 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
             held.iter().take(3).copied().collect::<Vec<_>>().join(", ")
         ));
     }
+    if let Some(joint) = &design.study().draws {
+        let keys = made.variables.iter().filter(|own| joint.names.contains(&own.name));
+        notes.push(format!(
+            "{} quantities have the joint draws of a calibration with {} ({} draws), the others their ranges; \
+             dimensions of bodies are drawn for the cycle, and held for modes and radiation",
+            keys.count(),
+            joint.measured,
+            joint.rows.len()
+        ));
+    }
     if made
         .variables
         .iter()

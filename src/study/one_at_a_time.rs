@@ -25,6 +25,7 @@ use crate::output;
 use crate::result::TOTAL;
 use crate::stages::Progress;
 use crate::stages::levels::Levels;
+use crate::study::StudyError;
 
 /// Shares of its distribution at which an input is set.
 const SHARES: [f64; 2] = [0.05, 0.95];
@@ -113,7 +114,7 @@ pub fn one_at_a_time(
     let anchor = Chain::new(graph, &design, Options::default())?;
     let (total, done) = (2 * inputs.len(), AtomicUsize::new(0));
     let results = on_threads(total, |job| {
-        let own = drawn(&design, &sampler, &base, &point(job)).map_err(|reason| Error::NoDesign { reason });
+        let own = drawn(&design, &sampler, &base, &point(job)).map_err(|reason| StudyError::NoDesign { reason }.into());
         let levels = own.and_then(|own| levels_of_shot(Chain::new(graph, &own, Options::default())));
         progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total as u64);
         levels

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::normal;
-use crate::design::inputs::cycle::parameters as cycle_parameters;
+use crate::chain::engine;
 use crate::design::{Design, Distribution, Entry, Provenance, Value};
 use crate::error::Error;
 
@@ -155,6 +155,30 @@ impl Parameter {
         }
     }
 
+    /// The share of the distribution below a value, the inverse of [`at`](Self::at); 0 or 1 outside.
+    pub(crate) fn share_below(&self, x: f64) -> f64 {
+        let [low, high] = self.range;
+        let share = match self.distribution {
+            Distribution::Uniform if self.is_count() => (x - low.ceil() + 0.5) / (high.floor() - low.ceil() + 1.0),
+            Distribution::Uniform => (x - low) / (high - low),
+            Distribution::Triangular => {
+                let mode = self.number();
+                match x < mode {
+                    true => (x - low).max(0.0).powi(2) / ((high - low) * (mode - low)),
+                    false => 1.0 - (high - x).max(0.0).powi(2) / ((high - low) * (high - mode)),
+                }
+            }
+            Distribution::Normal => {
+                let [below, above] = [normal::cumulative(self.cut[0]), normal::cumulative(-self.cut[1])];
+                let z = (x - 0.5 * (low + high)) / (0.25 * (high - low));
+                (normal::cumulative(z) - below) / (1.0 - below - above)
+            }
+            Distribution::LogUniform => (x / low).ln() / (high / low).ln(),
+        };
+        // A triangle with its mode at an end has no share beyond.
+        if share.is_nan() { 1.0 } else { share.clamp(0.0, 1.0) }
+    }
+
     /// The value below which a share `u` of the distribution lies, 0 < u < 1.
     pub fn at(&self, u: f64) -> Value {
         let [low, high] = self.range;
@@ -192,15 +216,15 @@ impl Parameter {
 /// have no effect on the cycle.
 ///
 /// # Errors
-/// As [`parameters`](cycle_parameters).
+/// Values of the design that do not yield inputs.
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
-    let base = cycle_parameters(design)?;
+    let base = engine(design)?;
     let takes_part = |parameter: &Parameter| {
         let [low, high] = parameter.range;
         let other = if low == parameter.number() { high } else { low };
         let mut changed = design.clone();
         changed.set(&[(parameter.change(), parameter.hold(other))]).is_ok()
-            && cycle_parameters(&changed).is_ok_and(|parameters| parameters != base)
+            && engine(&changed).is_ok_and(|engine| engine != base)
     };
     let parameters = Parameter::all(design).into_iter().map(|(parameter, _)| parameter);
     Ok(parameters.filter(takes_part).collect())

@@ -195,9 +195,12 @@ fn rest(design: &Design, keys: &[&str]) -> Result<String, Error> {
     let own = design.study();
     let settings = (&own.require, &own.alternatives, &own.model, &own.correlations);
     let settings = serde_json::to_string(&settings).map_err(Error::Json)?;
-    Ok(hexadecimal(
-        &Key::empty().with(&settings).with(&design.digest_without(keys)).digest(),
-    ))
+    let key = Key::empty().with(&settings).with(&design.digest_without(keys));
+    let key = match &own.draws {
+        Some(joint) => key.with(&joint.digest),
+        None => key,
+    };
+    Ok(hexadecimal(&key.digest()))
 }
 
 /// The weight of a draw by the values of the quantities whose distributions differ.

@@ -182,7 +182,7 @@ impl ProvidedStudy {
         let studies: Vec<Self> = current()
             .map(|(_, text)| serde_json::from_str(text).map_err(Error::Json))
             .collect::<Result<_, _>>()?;
-        let state = |(path, _): &(&'static str, &str)| {
+        let state = |path: &'static str| {
             let Some(study) = studies.iter().find(|own| own.design == *path) else {
                 return Ok(ProvidedState {
                     design: path,
@@ -204,7 +204,7 @@ impl ProvidedStudy {
                 repeated: study.repeated,
             })
         };
-        shipped::DESIGNS.iter().map(state).collect()
+        shipped::studied().map(state).collect()
     }
 }
 

@@ -6,14 +6,17 @@
 //! Some values conflict, for example a seat wider than the valve. The variables of such rules form connected
 //! components. Values are rejected and drawn anew *within a component*, which gives the same distribution as rejecting
 //! entire designs, and leaves all other variables their low-discrepancy points.
+//!
+//! Variables with joint draws, those of a calibration, have the values of a row of these in place of the sequence.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use nailnoise_acoustics::random::uniform;
 
 use super::normal;
-use super::variables::{Drawn, Variable};
-use crate::design::{Correlation, Design, Value, Values};
+use super::variables::{Drawn, Variable, VariableKind};
+use crate::design::{Correlation, Design, JointDraws, Value, Values};
 
 /// Dimensions and length of the sequence: beyond them it continues with another scramble.
 const DIMENSIONS: usize = 256;
@@ -34,6 +37,19 @@ pub struct Sampler {
     variables: Vec<Variable>,
     components: Vec<Component>,
     seed: u64,
+    /// Names of the variables that are literals of an assembly, which no rule compares.
+    literals: BTreeSet<String>,
+    /// Keys that an assembly leaves without effect.
+    idle: BTreeSet<String>,
+    /// Values that take the place of the sequence.
+    joint: Option<JointShares>,
+}
+
+/// Joint draws of variables.
+struct JointShares {
+    draws: Arc<JointDraws>,
+    /// Place of each variable in its distribution in each draw; NaN for one that is not in the draws.
+    shares: Vec<Vec<f64>>,
 }
 
 /// Variables that are drawn together.
@@ -108,11 +124,25 @@ impl Sampler {
     pub fn new(design: &Design, variables: Vec<Variable>, seed: u64) -> Self {
         let rules = rules(design, &variables);
         let components = components(&variables, &rules, &design.study().correlations);
+        let literal = |variable: &&Variable| design.is_literal(&variable.name);
+        let joint = design.study().draws.as_ref().map(|own| JointShares {
+            draws: Arc::clone(own),
+            shares: joint_shares(own, &variables),
+        });
         Self {
+            literals: variables.iter().filter(literal).map(|own| own.name.clone()).collect(),
+            idle: design.idle_keys(),
+            joint,
             variables,
             components,
             seed,
         }
+    }
+
+    /// Whether a variable has the values of joint draws.
+    pub(super) fn is_joint(&self, variable: usize) -> bool {
+        let first = self.joint.as_ref().and_then(|joint| joint.shares.first());
+        first.is_some_and(|row| !row[variable].is_nan())
     }
 
     /// The variables, in the order of the sequence's dimensions.
@@ -187,11 +217,21 @@ impl Sampler {
         });
         // Each further candidate for a partner comes from another scramble.
         let index = frame.partner_of.map_or(index, |number| index * LENGTH + number);
+        if let Some(joint) = &self.joint {
+            let row = &joint.shares[joint.draws.row_of(index, self.seed)];
+            let places = point.shares.iter_mut().zip(row);
+            let places = places.filter(|(_, share)| !share.is_nan());
+            places.for_each(|(place, share)| *place = *share);
+        }
         for component in &self.components {
-            let members: Vec<usize> = component.members.iter().copied().filter(|&m| frame.active[m]).collect();
+            let of = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+                component.members.iter().copied().filter(|&m| wanted(m)).collect()
+            };
+            let members = of(&|m| frame.active[m] && !self.is_joint(m));
             if members.is_empty() {
                 continue;
             }
+            let set = of(&|m| frame.active[m] || self.is_joint(m));
             let bases = match component.conflicts {
                 true => self.bases_around(component, frame),
                 false => Vec::new(),
@@ -199,7 +239,7 @@ impl Sampler {
             let mut broken = None;
             for attempt in 0..MOST_ATTEMPTS {
                 self.draw(component, &members, (frame.stream, index, attempt), &mut point);
-                broken = bases.iter().find_map(|base| self.broken_rule(base, &members, &point));
+                broken = bases.iter().find_map(|base| self.broken_rule(base, &set, &point));
                 if broken.is_none() {
                     break;
                 }
@@ -258,7 +298,7 @@ impl Sampler {
             let mut around = given.clone();
             let own = component.members.iter().filter(|member| frame.active[**member]);
             own.for_each(|&member| around.shares[member] = f64::NAN);
-            let changes = self.changes(&around);
+            let changes = self.changes_of_values(&self.changes(&around));
             for base in &mut bases {
                 // The given point was accepted, so that its values can be set.
                 let _ = base.set(&changes);
@@ -270,8 +310,8 @@ impl Sampler {
     /// Keys of the rule that is broken when members are drawn; none if their values are compatible.
     fn broken_rule(&self, base: &Values, members: &[usize], point: &Point) -> Option<String> {
         let mut values = base.clone();
-        match values.set(&self.changes_of(members, point)) {
-            Ok(()) => Some(values.conflict()?.keys().join(", ")),
+        match values.set(&self.changes_of_values(&self.changes_of(members, point))) {
+            Ok(()) => Some(values.conflict_without(&self.idle)?.keys().join(", ")),
             Err(error) => Some(error.key().to_owned()),
         }
     }
@@ -284,11 +324,37 @@ impl Sampler {
         changes.flatten().collect()
     }
 
+    /// Those of some changes that set values of the design, not literals of an assembly.
+    fn changes_of_values<'a>(&self, changes: &[(&'a str, Value)]) -> Vec<(&'a str, Value)> {
+        let of_values = changes.iter().filter(|(key, _)| !self.literals.contains(*key));
+        of_values.cloned().collect()
+    }
+
     /// Keys and values that a point sets.
     pub fn changes<'a>(&'a self, point: &Point) -> Vec<(&'a str, Value)> {
         let all: Vec<usize> = (0..self.variables.len()).collect();
         self.changes_of(&all, point)
     }
+}
+
+/// Places of variables in their distributions, by the values of joint draws.
+fn joint_shares(draws: &JointDraws, variables: &[Variable]) -> Vec<Vec<f64>> {
+    let column = |variable: &Variable| draws.names.iter().position(|name| *name == variable.name);
+    let columns: Vec<Option<usize>> = variables.iter().map(column).collect();
+    let share = |(variable, column): (&Variable, &Option<usize>), row: &[f64]| {
+        let value = row[(*column)?];
+        let share = match &variable.kind {
+            VariableKind::Quantity(parameter) => parameter.share_below(value),
+            VariableKind::LawScore => normal::cumulative(value),
+            VariableKind::Alternatives(_) | VariableKind::Method(_) => return None,
+        };
+        Some(share.clamp(HALF_STEP, 1.0 - HALF_STEP))
+    };
+    let shares = |row: &Vec<f64>| {
+        let places = variables.iter().zip(&columns);
+        places.map(|own| share(own, row).unwrap_or(f64::NAN)).collect()
+    };
+    draws.rows.iter().map(shares).collect()
 }
 
 /// Gives independent standard normal numbers one common correlation `r`: multiplies them by the Cholesky factor of
@@ -344,12 +410,13 @@ impl CommonFactor {
 fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
     /// Apart from any seed of a study: the rules do not depend on it.
     const SEED: u64 = 0x5EED_0F9A_0BE5;
-    let base: &Values = design;
+    let (base, idle): (&Values, _) = (design, design.idle_keys());
     let conflict = |members: &[usize], drawn: &[Drawn]| {
         let mut values = base.clone();
-        let changes: Vec<_> = members.iter().flat_map(|&m| variables[m].changes(&drawn[m])).collect();
+        let changes = members.iter().flat_map(|&m| variables[m].changes(&drawn[m]));
+        let changes: Vec<_> = changes.filter(|(key, _)| !design.is_literal(key)).collect();
         match values.set(&changes) {
-            Ok(()) => values.conflict(),
+            Ok(()) => values.conflict_without(&idle),
             Err(_) => None,
         }
     };

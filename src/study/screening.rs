@@ -9,12 +9,13 @@ use super::condition::Counts;
 use super::request::Subset;
 use super::sampling::{Frame, Point, Rejections, Sampler};
 use super::variables::drawn_scores;
-use crate::design::inputs::cycle::{cycle_settings, parameters};
+use crate::chain::engine;
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::cycle::Cycle;
+use crate::stages::cycle::Engine;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
+use crate::study::StudyError;
 
 /// Candidates that are computed and stored at a time; for a partner of a point, which needs one, at first and then
 /// twice as many each time.
@@ -100,18 +101,14 @@ pub(super) fn cycles_of(
     frame: Frame<'_>,
     index: u64,
     rejections: &mut Rejections,
-) -> Result<(Point, Vec<Cycle>), String> {
+) -> Result<(Point, Vec<Engine>), String> {
     let point = sampler
         .point(frame, index, rejections)
         .map_err(|error| error.to_string())?;
     let cycle = |(design, base): (&Design, &Values)| {
         let design = drawn(design, sampler, base, &point)?;
-        let settings = nailnoise_dynamics::Settings {
-            sample_interval: SAMPLES,
-            ..cycle_settings(&design)
-        };
-        let parameters = parameters(&design).map_err(|error| error.to_string())?;
-        Ok(Cycle { parameters, settings })
+        let engine = engine(&design).map_err(|error| error.to_string())?;
+        Ok(engine.sampled(SAMPLES))
     };
     let cycles = designs
         .iter()
@@ -123,7 +120,7 @@ pub(super) fn cycles_of(
 
 /// A candidate before its shot: its point and cycles, or why it is not a valid design; and the values that were drawn
 /// anew for it.
-pub(super) type Prepared = (Result<(Point, Vec<Cycle>), String>, Rejections);
+pub(super) type Prepared = (Result<(Point, Vec<Engine>), String>, Rejections);
 
 /// The candidates of a block, and the stage that computes their shots.
 pub(super) fn block_of(
@@ -140,8 +137,8 @@ pub(super) fn block_of(
     let cycles = block
         .iter()
         .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
-    let cycles = cycles.flatten().collect();
-    (block, Outcomes { cycles })
+    let engines = cycles.flatten().collect();
+    (block, Outcomes { engines })
 }
 
 /// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
@@ -156,7 +153,7 @@ fn name(outcomes: &[ShotOutcome]) -> String {
 /// as there are tasks, each task computes one, and then reads those of the others that are stored by then.
 ///
 /// # Errors
-/// [`Error::NothingDrawn`] where no candidate is accepted.
+/// [`StudyError::NothingDrawn`] where no candidate is accepted.
 pub fn screen(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
@@ -232,12 +229,13 @@ pub fn screen(
                 .map(|(name, count)| format!("{} ({count})", name.replace('_', space)));
             counts.collect::<Vec<_>>().join(", ")
         };
-        return Err(Error::NothingDrawn {
+        return Err(StudyError::NothingDrawn {
             candidates: tally.candidates,
             outcomes: counted(&tally.outcomes, " "),
             refused: counted(&tally.refused, "_"),
             require: designs[0].study().require.join(", "),
-        });
+        }
+        .into());
     }
     Ok((accepted, tally))
 }

@@ -19,6 +19,7 @@ use crate::result::{
 };
 use crate::stages::{Digest, Progress};
 use crate::store::{Key, Store};
+use crate::study::StudyError;
 
 /// Most inputs that are named as deciding the total.
 const DECIDING: usize = 3;
@@ -159,7 +160,7 @@ fn is_outside(spread: &LevelSpread, level: Option<f64>) -> bool {
 
 /// Why no draw of a study is a shot like that of a run: it has another outcome than the shots that count.
 fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
-    let (require, outcome) = (&design.study().require, run.outcome.name());
+    let (require, outcome) = (&design.study().require, run.outcome.as_str());
     if require.is_empty() || require.contains(&outcome) {
         return None;
     }
@@ -251,7 +252,7 @@ impl StudySource {
 /// Makes a study of a design and stores it for later runs; returns its draws, too.
 ///
 /// # Errors
-/// Those of [`draws`]; [`Error::NotCollected`] if draws are missing that were to be read only.
+/// Those of [`draws`]; [`StudyError::NotCollected`] if draws are missing that were to be read only.
 pub fn study(
     store: &Store,
     design: &Design,
@@ -261,11 +262,12 @@ pub fn study(
     let graph = Graph::quiet(store, progress.observer());
     let made = draws(&graph, design, request, progress)?;
     if request.part == Subset::Kept && !made.failures.is_empty() {
-        return Err(Error::NotCollected {
+        return Err(StudyError::NotCollected {
             missing: made.failures.len(),
             draws: made.failures.len() + made.draws.len(),
             store: store.folder().map(std::path::Path::to_owned).unwrap_or_default(),
-        });
+        }
+        .into());
     }
     progress.stage("levels of the design itself");
     let nominal = nominal(&graph, design, request)?;

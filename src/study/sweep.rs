@@ -22,6 +22,7 @@ use crate::result::Performance;
 use crate::stages::Progress;
 use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
+use crate::study::StudyError;
 
 /// Points of a grid at most.
 const MOST: usize = 100_000;
@@ -115,7 +116,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
 }
 
 /// A number and the unit that follows it.
-fn number(text: &str) -> Result<(f64, String), String> {
+pub(crate) fn number(text: &str) -> Result<(f64, String), String> {
     let text = text.trim();
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     let parsed = ends
@@ -151,23 +152,23 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
 /// # Errors
 /// Values that are impossible in any design, or that conflict.
 pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
-    let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+    let own = assignments(axes, values).map_err(|error| StudyError::NoAxis { error })?;
     Ok(Design::load_with(path, &[changes, &own].concat())?)
 }
 
 /// Whether the axes are those of a grid.
 ///
 /// # Errors
-/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in
-/// every point.
+/// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier
+/// ones in every point.
 pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     if axes.is_empty() {
-        return Err(Error::NothingToVary);
+        return Err(StudyError::NothingToVary.into());
     }
     let twice = (1..axes.len()).find(|&place| axes[..place].iter().any(|before| before.key == axes[place].key));
     twice.map_or(Ok(()), |place| {
         let key = axes[place].key.clone();
-        Err(Error::VariedTwice { key })
+        Err(StudyError::VariedTwice { key }.into())
     })
 }
 
@@ -191,7 +192,7 @@ pub fn sweep(
         .map(|axis| axis.values.len())
         .try_fold(1_usize, usize::checked_mul);
     if count.is_none_or(|count| count > MOST) {
-        return Err(Error::SweptTooMuch { most: MOST });
+        return Err(StudyError::SweptTooMuch { most: MOST }.into());
     }
     let points = grid(axes);
     let mut designs = Vec::with_capacity(points.len());
@@ -250,7 +251,7 @@ pub fn sweep(
         let shot = levels.as_ref().and_then(|_| shots.next());
         SweptPoint {
             values,
-            performance: shot.as_ref().map(|shot| shot.performance),
+            performance: shot.as_ref().and_then(|shot| shot.performance),
             headline: shot.and_then(|shot| shot.headline),
             total_db: levels.as_ref().and_then(total_of),
             levels,
@@ -263,17 +264,22 @@ pub fn sweep(
 }
 
 /// A design's shot with its lumped workpiece.
+#[derive(Default)]
 struct Shot {
-    performance: Performance,
+    performance: Option<Performance>,
     headline: Option<Headline>,
 }
 
-/// The shot of a design with these levels; a headline only if it does not drive with the coupling of the design.
+/// The shot of a design with these levels; a headline only if it does not drive with the coupling of the design. An
+/// assembly has neither.
 fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
+    if design.assembly().is_some() {
+        return Ok(Shot::default());
+    }
     let (record, parameters) = (chain::cycle(design)?, parameters(design)?);
     let missed = levels.outcome != Outcome::Drives.name();
     Ok(Shot {
-        performance: Performance::of(&record, &parameters),
+        performance: Some(Performance::of(&record, &parameters)),
         headline: missed.then(|| Headline::of(&record, &parameters)).flatten(),
     })
 }

@@ -1,20 +1,21 @@
 //! Tables of a nailing cycle, the same for the terminal and the page.
 
-use nailnoise_dynamics::{CycleRecord, Summary};
+use nailnoise_dynamics::Summary;
+use nailnoise_dynamics::network::EventTime;
 
 use super::{Column, Table, dash, fixed};
-use crate::output::EVENT_NAMES;
+use crate::output::event_name;
 use crate::wording::figure;
 
 /// Times of the events.
-pub(crate) fn events(record: &CycleRecord) -> Table {
-    let times = record.events.to_array();
-    let times = times.iter().zip(EVENT_NAMES).enumerate();
-    let rows = times.map(|(number, (time, name))| {
-        vec![
-            format!("t{number:<2} {name}").into(),
-            fixed(time.map(|time| 1e3 * time), 3).into(),
-        ]
+pub(crate) fn events(events: &[EventTime]) -> Table {
+    let rows = events.iter().map(|event| {
+        let words = event_name(&event.name);
+        let words = match words.split_once(' ') {
+            Some((symbol, name)) => format!("{symbol:<3} {name}"),
+            None => words.replace('_', " "),
+        };
+        vec![words.into(), fixed(event.time.map(|time| 1e3 * time), 3).into()]
     });
     Table::new(
         [Column::words("event"), Column::number("time ms")],

@@ -7,6 +7,7 @@ pub(crate) mod comparison;
 pub(crate) mod cycle;
 pub(crate) mod measured;
 pub(crate) mod measurement;
+pub(crate) mod optimisation;
 pub(crate) mod run;
 pub(crate) mod study;
 pub(crate) mod sweep;
@@ -65,6 +66,8 @@ pub(crate) struct Cell {
     pub(crate) dot: Option<usize>,
     /// Bar of the page.
     pub(crate) bar: Option<Bar>,
+    /// File that the text opens on the page, relative to it.
+    pub(crate) opens: Option<String>,
 }
 
 /// A bar in a cell.

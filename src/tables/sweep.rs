@@ -35,6 +35,9 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     let row = |point: &SweptPoint| {
         let values = point.values.iter().map(|value| Cell::from(value.as_str()));
         let mut row: Vec<Cell> = values.collect();
+        if let (Some(first), Some(folder)) = (row.first_mut(), &point.folder) {
+            first.opens = Some(format!("{folder}/report.html"));
+        }
         match &point.levels {
             Some(levels) => {
                 row.extend(levels.sources.iter().map(|source| Cell::from(decibels(source.lwa_db))));

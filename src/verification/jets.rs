@@ -1,6 +1,8 @@
 //! A cold subsonic jet of NASA's small hot jet rig, and its scaling to the holes of a nailer.
 
-use nailnoise_acoustics::jets::{ExhaustSettings, FlowHistory, Jet, Opening, Outlet, ReceivedNoise, exhaust_noise};
+use nailnoise_acoustics::jets::{
+    ExhaustSettings, FlowHistory, Jet, Opening, Outlet, ReceivedNoise, exhaust_noise, fine_scale_shape,
+};
 use nailnoise_acoustics::signals::fourier::TransformSettings;
 use nailnoise_acoustics::signals::{REFERENCE_PRESSURE, Weighting};
 use nailnoise_acoustics::{Air, GAS_CONSTANT, HEAT_RATIO};
@@ -25,6 +27,26 @@ const SCALED: Case = Case {
     name: "cold jet, scaled to 1 mm at 1 m",
     source: "setpoint 7 by p² ~ d²/r²; fit to millimetre jets (Maa) in Wei et al., J. Applied Acoustics 38, 378 (2019)",
 };
+
+const HOLES: Case = Case {
+    name: "cold jet, scaled to holes of a nailer at 1 m",
+    source: "setpoint 7 by p² ~ d²/r² and the Strouhal number, third octaves up to 10 kHz",
+};
+
+const SHAPE: Case = Case {
+    name: "fine-scale similarity spectrum, peak at St 0.4",
+    source: "Tam, Golebiowski and Seiner, AIAA 96-1716 (1996), with the overall level and the peak of setpoint 7",
+};
+
+/// Strouhal number of the peak per hertz with which [`SHAPE`] agrees with the rig's spectra; no computed level uses it.
+const PEAK: f64 = 0.4;
+
+/// Strouhal numbers of [`SHAPE`].
+const COMPARED: [f64; 2] = [0.1, 3.2];
+
+/// Diameters of holes \[m\], and the highest third octave of a nailer's levels \[Hz\].
+const HOLE_DIAMETERS: [f64; 2] = [3e-3, 6e-3];
+const HIGHEST: f64 = 10.0e3;
 
 const DIAMETER: f64 = 0.0508;
 const SPEED: f64 = 302.0;
@@ -68,6 +90,9 @@ const BANDS: [[f64; 3]; 28] = [
 
 /// Differences that `docs/limits.md` states \[dB\]: too loud at low Strouhal numbers, too quiet at high ones.
 const STATED: [f64; 2] = [-16.0, 8.5];
+
+/// The same for the audible part of the spectrum of small holes \[dB\].
+const STATED_AUDIBLE: [f64; 2] = [2.0, 7.0];
 
 /// Frequencies of the analysis \[Hz\]: the outermost bands with some room.
 const RANGE_HZ: [f64; 2] = [100.0, 120_000.0];
@@ -138,23 +163,85 @@ impl Steady {
     }
 }
 
+/// Half a third octave, as a ratio of frequencies.
+fn half_band() -> f64 {
+    10f64.powf(0.05)
+}
+
+/// Sum of levels \[dB\].
+fn sum(levels: impl Iterator<Item = f64>) -> f64 {
+    10.0 * levels.map(|level| 10f64.powf(0.1 * level)).sum::<f64>().log10()
+}
+
+/// The levels of a column of [`BANDS`].
+fn measured(column: usize) -> Vec<f64> {
+    BANDS.iter().map(|band| band[1 + column]).collect()
+}
+
+/// Third octaves of the similarity spectrum about [`PEAK`] with the overall level of a column of [`BANDS`].
+fn similarity(column: usize) -> Vec<Row> {
+    const PARTS: u32 = 20;
+    let third_octave = |strouhal: f64| {
+        let part = |i: u32| {
+            let x = strouhal / PEAK * half_band().powf(2.0 * (f64::from(i) + 0.5) / f64::from(PARTS) - 1.0);
+            x * 10f64.powf(0.1 * fine_scale_shape(x))
+        };
+        10.0 * (0..PARTS).map(part).sum::<f64>().log10()
+    };
+    let levels: Vec<f64> = BANDS.iter().map(|band| third_octave(band[0])).collect();
+    let reference = measured(column);
+    let gain = sum(reference.iter().copied()) - sum(levels.iter().copied());
+    let compared = BANDS.iter().zip(levels).zip(reference);
+    compared
+        .filter(|((band, _), _)| (COMPARED[0]..COMPARED[1]).contains(&band[0]))
+        .map(|((band, level), reference)| {
+            let quantity = format!("{} degrees, St {}, dB", OVERALL[column][0], band[0]);
+            SHAPE.row(quantity, reference, level + gain).within(3.0)
+        })
+        .collect()
+}
+
+/// A-weighted levels at 1 m of holes with the spectra of a column of [`BANDS`], as measured and as computed.
+fn holes(column: usize, computed: &[f64]) -> Vec<Row> {
+    let of_hole = |diameter: f64| {
+        let scale = 20.0 * (diameter / DIAMETER * DISTANCE).log10();
+        let hz = |strouhal: f64| strouhal * SPEED / diameter;
+        let level = |levels: &[f64]| {
+            let bands = BANDS.iter().zip(levels);
+            let audible = bands.filter(|(band, _)| hz(band[0]) < HIGHEST * half_band());
+            sum(audible.map(|(band, level)| level + scale + Weighting::A.db(hz(band[0]))))
+        };
+        let [degrees, _] = OVERALL[column];
+        let lowest = 1e-3 * hz(BANDS[0][0]);
+        let quantity = format!("{degrees} degrees, {} mm, {lowest:.1} to 10 kHz, dB(A)", 1e3 * diameter);
+        let row = HOLES.row(quantity, level(&measured(column)), level(computed));
+        row.within(2.0).documented(STATED_AUDIBLE)
+    };
+    HOLE_DIAMETERS.map(of_hole).into()
+}
+
 pub(super) fn rows() -> Result<Vec<Row>, Error> {
-    let half_band = 10f64.powf(0.05);
-    let (mut rows, mut spectrum) = (Vec::new(), Vec::new());
+    let (mut rows, mut spectrum, mut shape, mut audible) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (column, [degrees, overall]) in OVERALL.into_iter().enumerate() {
         let steady = received(degrees.to_radians())?;
         let row = WHOLE.row(format!("{degrees} degrees, dB"), overall, steady.level(RANGE_HZ));
         rows.push(row.within(2.0));
-        for band in BANDS {
+        let level = |band: &[f64; 3]| {
             let hz = band[0] * SPEED / DIAMETER;
-            let computed = steady.level([hz / half_band, hz * half_band]);
+            steady.level([hz / half_band(), hz * half_band()])
+        };
+        let computed: Vec<f64> = BANDS.iter().map(level).collect();
+        for (band, computed) in BANDS.iter().zip(&computed) {
             let quantity = format!("{degrees} degrees, St {}, dB", band[0]);
-            let row = SPECTRUM.row(quantity, band[1 + column], computed);
+            let row = SPECTRUM.row(quantity, band[1 + column], *computed);
             spectrum.push(row.within(3.0).documented(STATED));
         }
+        shape.extend(similarity(column));
+        audible.extend(holes(column, &computed));
     }
     let computed = rows.last().map_or(f64::NAN, |row| row.computed);
     rows.append(&mut spectrum);
+    rows.append(&mut shape);
     // From 50.8 mm at 5.08 m to 1 mm at 1 m.
     let scale = -20.0 * (1e3 * DIAMETER / DISTANCE).log10();
     let ratio = pressure_ratio(&air()?);
@@ -171,5 +258,6 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
                 .within(2.0),
         );
     }
+    rows.append(&mut audible);
     Ok(rows)
 }

@@ -13,7 +13,6 @@ mod sources;
 
 use std::sync::Arc;
 
-use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
 use crate::chain::{Chain, Options};
@@ -27,10 +26,12 @@ use crate::measurement::recordings::Shot;
 use crate::measurement::wrapping::{Configuration, InsertionLoss, Role, Wrapping};
 use crate::model::supports;
 use crate::stages::Input;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::microphones::Heard;
 use crate::stages::microphones::noise::{normal, under_envelope};
 use crate::stages::sensors::SensorRecord;
 use crate::stages::transducers::PressureRecord;
+use crate::study::StudyError;
 use minimum_phase::MinimumPhase;
 use resampling::Resampling;
 use sources::Synthesis;
@@ -111,7 +112,7 @@ fn add_signals(sum: &mut Vec<Vec<f64>>, signals: Vec<Vec<f64>>) {
 /// A shot of a virtual test before it is wrapped.
 pub struct BareShot {
     /// The cycle.
-    pub cycle: Arc<CycleRecord>,
+    pub cycle: Arc<ShotRecord>,
     /// Pressures of workpiece, exhaust and body at each microphone from the trigger on \[Pa\].
     pub sources: [Vec<Vec<f64>>; 3],
     /// Signals of the accelerometers.
@@ -187,7 +188,7 @@ impl<'a> VirtualTest<'a> {
             .into_iter()
             .map(|(key, value)| (key, Value::Number(value)))
             .collect();
-        design.set(&changes).map_err(|error| Error::NoDesign {
+        design.set(&changes).map_err(|error| StudyError::NoDesign {
             reason: error.to_string(),
         })?;
         Ok(design)

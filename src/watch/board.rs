@@ -1,15 +1,22 @@
 //! Current content of the page, shared by the command that computes and the connections that wait for news.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::shot::{Differences, FinishedRun};
+use super::slider::{Slider, save};
+use crate::design::Assignment;
 
 /// The state of the page.
 #[derive(Debug)]
 pub struct Board {
     /// Name of the design.
     pub name: String,
+    /// The design file.
+    design: PathBuf,
+    /// Values over those of the file, from the command line.
+    set: Vec<Assignment>,
     state: Mutex<State>,
     news: Condvar,
 }
@@ -33,13 +40,25 @@ pub(super) struct State {
     pub(super) warnings: Vec<String>,
     /// The report of the last run, and how many there have been.
     pub(super) report: Option<(u32, Arc<str>)>,
+    /// The keys that the page can move.
+    pub(super) sliders: Vec<Slider>,
+    /// What decided which keys these are.
+    pub(super) basis: String,
+    /// Values that the page gave, the last one for each key.
+    pub(super) moved: Vec<(String, Assignment)>,
+    /// Counts the values that the page gave.
+    pub(super) moves: u64,
+    /// The design that was saved last, or why it could not be.
+    pub(super) saved: Option<String>,
 }
 
 impl Board {
-    /// Without a result yet.
-    pub fn new(name: String) -> Self {
+    /// Of a design file and values over it, without a result yet.
+    pub fn new(design: &Path, set: &[Assignment]) -> Self {
         Self {
-            name,
+            name: design.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            design: design.to_owned(),
+            set: set.to_vec(),
             state: Mutex::default(),
             news: Condvar::new(),
         }
@@ -97,6 +116,64 @@ impl Board {
         self.change(|state| state.pinned = state.last.clone().filter(|_| pin));
     }
 
+    /// Offers sliders in place of earlier ones; `basis` says what decided which keys they move.
+    pub fn offer(&self, sliders: Vec<Slider>, basis: &str) {
+        self.change(|state| (state.sliders, state.basis) = (sliders, basis.to_owned()));
+    }
+
+    /// Moves a slider; whether there is one for the key with the value in its range.
+    pub(super) fn move_to(&self, key: &str, value: f64) -> bool {
+        let mut moved = false;
+        self.change(|state| {
+            let slider = state.sliders.iter_mut().find(|own| own.key == key);
+            let Some((slider, assignment)) = slider.and_then(|own| own.assign(value).map(|to| (own, to))) else {
+                return;
+            };
+            slider.value = value;
+            state.moved.retain(|(own, _)| own != key);
+            state.moved.push((key.to_owned(), assignment));
+            (state.moves, state.saved, moved) = (state.moves + 1, None, true);
+        });
+        moved
+    }
+
+    /// Takes back what the page moved.
+    pub fn reset(&self) {
+        self.change(|state| {
+            // The next run offers sliders with the values of the file.
+            state.sliders.clear();
+            state.moved.clear();
+            (state.moves, state.saved) = (state.moves + 1, None);
+        });
+    }
+
+    /// How often the page gave a value, and all values over those of the file.
+    pub fn moved(&self) -> (u64, Vec<Assignment>) {
+        let state = self.state();
+        let moved = state.moved.iter().map(|(_, assignment)| assignment.clone());
+        (state.moves, self.set.iter().cloned().chain(moved).collect())
+    }
+
+    /// How often the page gave a value.
+    pub fn moves(&self) -> u64 {
+        self.state().moves
+    }
+
+    /// Whether there are sliders.
+    pub fn has_sliders(&self) -> bool {
+        !self.state().sliders.is_empty()
+    }
+
+    /// Saves the design with the values that the page gave beside the design file.
+    pub(super) fn save(&self) {
+        let (_, values) = self.moved();
+        let told = match save(&self.design, &values) {
+            Ok(path) => format!("saved as {}", path.file_name().unwrap_or_default().to_string_lossy()),
+            Err(error) => format!("not saved: {error}"),
+        };
+        self.change(|state| state.saved = Some(told));
+    }
+
     /// The state when it is no longer of this version, or after a while.
     pub(super) fn wait(&self, version: u64, most: Duration) -> State {
         let same = |state: &mut State| state.version == version;
@@ -135,12 +212,13 @@ mod tests {
             levels: Vec::new(),
             failed: Vec::new(),
             headline: None,
+            sound: None,
         }
     }
 
     #[test]
     fn a_failure_keeps_the_last_result_until_the_next() {
-        let board = Board::new("own".to_owned());
+        let board = Board::new("own.toml".as_ref(), &[]);
         board.show(shot(1), Vec::new(), "one".to_owned());
         board.fail("wrong unit".to_owned());
         let state = board.now();
@@ -155,7 +233,7 @@ mod tests {
 
     #[test]
     fn runs_are_compared_with_the_one_before_and_the_pinned_one() {
-        let board = Board::new("own".to_owned());
+        let board = Board::new("own.toml".as_ref(), &[]);
         let from = |found: [Option<Differences>; 2]| found.map(|found| found.map(|found| found.from));
         assert_eq!(from(board.show(shot(1), Vec::new(), String::new())), [None, None]);
         board.pin(true);
@@ -167,7 +245,7 @@ mod tests {
 
     #[test]
     fn who_waits_is_woken_by_news_alone() {
-        let board = Board::new("own".to_owned());
+        let board = Board::new("own.toml".as_ref(), &[]);
         let none = board.wait(0, Duration::from_millis(10));
         assert_eq!(none.version, 0);
         std::thread::scope(|scope| {

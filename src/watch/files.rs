@@ -76,9 +76,9 @@ impl Watched {
         stamps(&self.files) != self.stamps
     }
 
-    /// Waits for a change.
-    pub fn wait(&self) {
-        while !self.changed() {
+    /// Waits for a change of the files, or until `other` happens.
+    pub fn wait(&self, other: impl Fn() -> bool) {
+        while !self.changed() && !other() {
             sleep(PAUSE);
         }
     }
@@ -135,7 +135,7 @@ mod tests {
         assert!(!watched.changed());
         change(&folder);
         assert!(watched.changed(), "{name}");
-        watched.wait();
+        watched.wait(|| false);
         watched.settle();
         let _ = fs::remove_dir_all(folder);
     }

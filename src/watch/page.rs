@@ -37,6 +37,7 @@ pub(super) fn page(board: &Board) -> String {
                     pre #failure role="alert" hidden[state.failure.is_none()] {
                         (state.failure.as_deref().unwrap_or_default()) }
                     div #bar { (bar(&state)) }
+                    form #sliders hidden aria-label="values of the design" {}
                 }
                 main #report { noscript { p { a href="report" { "The report of the last run" }
                     ", without what follows a save." } } }
@@ -60,6 +61,10 @@ pub(super) fn event(name: &str, state: &State) -> String {
         "failure": state.failure,
         "bar": bar(state).into_string(),
         "report": state.report.as_ref().map(|(number, _)| number),
+        "sliders": state.sliders,
+        "basis": state.basis,
+        "moved": state.moved.iter().map(|(key, _)| key).collect::<Vec<_>>(),
+        "saved": state.saved,
     })
     .to_string()
 }
@@ -114,6 +119,10 @@ fn bar(state: &State) -> Markup {
                 button type="button" data-post="pin" { "Pin run " (last.number) }
                 @if state.pinned.is_some() { button type="button" data-post="unpin" { "Unpin" } }
             }
+            @if let Some(scales) = state.scales() {
+                button type="button" data-listen data-pinned=(scales[0]) data-last=(scales[1]) { "Listen to both" }
+                output #heard {}
+            }
             a href="report" target="_blank" rel="noopener" { "Report alone, to print" }
             span { "Changes of one shot in dB; most errors cancel in them. " code { "nailnoise compare --draws" }
                 " says how sure they are." }
@@ -122,6 +131,15 @@ fn bar(state: &State) -> Markup {
 }
 
 impl State {
+    /// Loudness at full scale of the sounds of the pinned and of the last run, relative to the louder one; none if
+    /// there are not two.
+    fn scales(&self) -> Option<[f64; 2]> {
+        let [pinned, last] = [self.pinned.as_ref()?, self.last.as_ref()?];
+        let both = [pinned.sound.as_ref()?, last.sound.as_ref()?].map(|sound| sound.full_scale_pa);
+        let most = both[0].max(both[1]);
+        (pinned.number != last.number).then(|| both.map(|own| own / most))
+    }
+
     fn is_pinned(&self, number: u32) -> bool {
         self.pinned.as_ref().is_some_and(|pinned| pinned.number == number)
     }
@@ -202,6 +220,7 @@ mod tests {
             levels: levels.map(|(name, level)| (name.to_owned(), Some(level))).to_vec(),
             failed: Vec::new(),
             headline: None,
+            sound: None,
         }
     }
 

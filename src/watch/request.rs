@@ -5,6 +5,7 @@
 //! foreign name that points here, and an origin that is this server or none.
 
 use std::io::{self, ErrorKind, Read};
+use std::net::SocketAddr;
 
 use rand::TryRng as _;
 use rand::rngs::SysRng;
@@ -70,10 +71,14 @@ impl Request {
         own.map(|(_, value)| value.as_str())
     }
 
-    /// The path after the token, if the server at `host` may respond to the request.
-    pub(super) fn admitted(&self, host: &str, token: &str) -> Option<&str> {
+    /// The path after the token, if the server at `address` may respond to the request.
+    pub(super) fn admitted(&self, address: SocketAddr, token: &str) -> Option<&str> {
         let mut hosts = self.header("host");
-        let own_host = hosts.next() == Some(host) && hosts.next().is_none();
+        let host = hosts.next()?;
+        // A server on all interfaces answers under each of their addresses. No foreign name can lead to an address.
+        let named: SocketAddr = host.parse().ok()?;
+        let same_ip = address.ip().is_unspecified() || named.ip() == address.ip();
+        let own_host = same_ip && named.port() == address.port() && hosts.next().is_none();
         let own_origin = self
             .header("origin")
             .all(|origin| origin.strip_prefix("http://") == Some(host));
@@ -106,11 +111,44 @@ pub(super) fn token() -> io::Result<String> {
 mod tests {
     use super::*;
 
-    const HOST: &str = "127.0.0.1:4711";
+    fn admitted_at(address: &str, head: &str) -> Option<String> {
+        let request = Request::read(&mut head.as_bytes()).expect("a head").expect("whole");
+        let address = address.parse().expect("an address");
+        request.admitted(address, "secret").map(str::to_owned)
+    }
 
     fn admitted(head: &str) -> Option<String> {
-        let request = Request::read(&mut head.as_bytes()).expect("a head").expect("whole");
-        request.admitted(HOST, "secret").map(str::to_owned)
+        admitted_at("127.0.0.1:4711", head)
+    }
+
+    /// Every interface has an address of its own; a name that leads here is foreign, and so is a page under one.
+    #[test]
+    fn a_server_on_all_interfaces_answers_under_addresses_and_not_under_names() {
+        let at = |host: &str, more: &str| {
+            admitted_at(
+                "0.0.0.0:4711",
+                &format!("GET /secret/ HTTP/1.1\r\nHost: {host}\r\n{more}\r\n"),
+            )
+        };
+        assert!(
+            at("192.168.1.7:4711", "").is_some()
+                && at("192.168.1.7:4711", "Origin: http://192.168.1.7:4711\r\n").is_some()
+        );
+        for (host, more) in [
+            ("evil.example:4711", ""),
+            ("192.168.1.7:80", ""),
+            ("192.168.1.7:4711", "Origin: http://evil.example:4711\r\n"),
+            ("192.168.1.7:4711", "Sec-Fetch-Site: cross-site\r\n"),
+        ] {
+            assert_eq!(at(host, more), None, "{host} {more}");
+        }
+        assert_eq!(
+            admitted_at(
+                "192.168.1.7:4711",
+                "GET /secret/ HTTP/1.1\r\nHost: 10.0.0.1:4711\r\n\r\n"
+            ),
+            None
+        );
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! The server of the page: only on this machine, for a handful of windows, without third-party content.
+//! The server of the page: on this machine unless the user names an address, for a handful of windows, without
+//! third-party content.
 //!
-//! It responds to each request on a separate thread and connection, and serves five addresses. A client that has not
-//! shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
+//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
+//! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
 //! the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
 //! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
 //! `hyper` brings an asynchronous runtime.
@@ -120,12 +121,12 @@ impl Write for Timed<'_> {
 }
 
 impl Server {
-    /// Serves a board on a port of the loopback interface that the system chooses.
+    /// Serves a board at an address, or on the loopback interface only. The system chooses a port that is 0.
     ///
     /// # Errors
     /// Those of the system.
-    pub fn start(board: Arc<Board>) -> io::Result<Self> {
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+    pub fn start(board: Arc<Board>, listen: Option<SocketAddr>) -> io::Result<Self> {
+        let listener = TcpListener::bind(listen.unwrap_or_else(|| (Ipv4Addr::LOCALHOST, 0).into()))?;
         let (host, token) = (listener.local_addr()?, Arc::<str>::from(token()?));
         let shared = Arc::new(Shared {
             board,
@@ -135,7 +136,7 @@ impl Server {
         });
         let accepting = Builder::new().spawn({
             let (shared, token) = (Arc::clone(&shared), Arc::clone(&token));
-            move || accept(&listener, &shared, &host.to_string(), &token)
+            move || accept(&listener, &shared, host, &token)
         })?;
         Ok(Self {
             host,
@@ -159,8 +160,12 @@ impl Drop for Server {
         for stranger in strangers {
             let _ = stranger.shutdown(Shutdown::Both);
         }
-        // A connection to its address makes it check.
-        let _ = TcpStream::connect(self.host);
+        // A connection to its address makes it check; all interfaces include the loopback one.
+        let mut own = self.host;
+        if own.ip().is_unspecified() {
+            own.set_ip(Ipv4Addr::LOCALHOST.into());
+        }
+        let _ = TcpStream::connect(own);
         if let Some(accepting) = self.accepting.take() {
             let _ = accepting.join();
         }
@@ -168,7 +173,7 @@ impl Drop for Server {
 }
 
 /// Answers connections, each on a thread, until the server ends; the threads have ended then, too.
-fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
+fn accept(listener: &TcpListener, shared: &Shared, host: SocketAddr, token: &str) {
     std::thread::scope(|scope| {
         for stream in listener.incoming() {
             if shared.ends.load(Ordering::SeqCst) {
@@ -196,7 +201,7 @@ fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
     });
 }
 
-fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: &str, token: &str) -> io::Result<()> {
+fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: SocketAddr, token: &str) -> io::Result<()> {
     let request = match Request::read(&mut Timed::new(stream, TO_ASK)) {
         Ok(Some(request)) => request,
         Ok(None) => return Ok(()),
@@ -248,14 +253,39 @@ fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -
             Some((_, report)) => reply(HTML, INNER, report.as_bytes()).send(stream, head_alone),
             None => Reply::text("404 Not Found", b"there is no result yet\n").send(stream, head_alone),
         },
-        ("POST", "pin") | ("POST", "unpin") => {
-            board.pin(path == "pin");
+        ("GET", "sound/last" | "sound/pinned") => {
+            let state = board.now();
+            let run = if path == "sound/last" { state.last } else { state.pinned };
+            match run.and_then(|run| run.sound.clone()) {
+                Some(sound) => reply(WAVE, OUTER, &sound.wav).send(stream, head_alone),
+                None => Reply::text("404 Not Found", b"that run has no sound\n").send(stream, head_alone),
+            }
+        }
+        ("POST", "pin" | "unpin" | "reset" | "save") => {
+            match path {
+                "reset" => board.reset(),
+                "save" => board.save(),
+                _ => board.pin(path == "pin"),
+            }
             reply(TEXT, OUTER, b"done\n").send(stream, false)
+        }
+        ("POST", path) if path.starts_with("move?") => {
+            match moved(path).is_some_and(|(key, to)| board.move_to(key, to)) {
+                true => reply(TEXT, OUTER, b"done\n").send(stream, false),
+                false => Reply::text("400 Bad Request", b"no slider has this value\n").send(stream, false),
+            }
         }
         _ => Reply::text("404 Not Found", b"there is nothing here\n").send(stream, head_alone),
     }
 }
 
+/// Key and value of `move?KEY=VALUE`.
+fn moved(path: &str) -> Option<(&str, f64)> {
+    let (key, value) = path.strip_prefix("move?")?.split_once('=')?;
+    Some((key, value.parse().ok()?))
+}
+
+const WAVE: &str = "audio/wav";
 const TEXT: &str = "text/plain; charset=utf-8";
 const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";

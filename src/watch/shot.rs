@@ -1,5 +1,7 @@
 //! Result of one run of a design, as far as it is compared with others.
 
+use std::sync::Arc;
+
 use crate::design::Design;
 use crate::result::RunResult;
 use crate::stages::headline::{Headline, unlike};
@@ -19,6 +21,17 @@ pub struct FinishedRun {
     pub failed: Vec<String>,
     /// The headline of a shot that does not drive.
     pub headline: Option<Headline>,
+    /// Sound of all sources in front of the device; none if there is none.
+    pub sound: Option<Arc<Sound>>,
+}
+
+/// A recording of a run.
+#[derive(Debug, PartialEq)]
+pub struct Sound {
+    /// A complete WAV file.
+    pub wav: Vec<u8>,
+    /// Pressure at its full scale \[Pa\].
+    pub full_scale_pa: f64,
 }
 
 impl FinishedRun {
@@ -35,6 +48,7 @@ impl FinishedRun {
                 .collect(),
             failed: failed.map(|check| check.name.clone().into_owned()).collect(),
             headline: result.headline.clone(),
+            sound: None,
         }
     }
 
@@ -103,6 +117,7 @@ mod tests {
             levels: vec![("total".to_owned(), total)],
             failed: Vec::new(),
             headline: None,
+            sound: None,
         }
     }
 

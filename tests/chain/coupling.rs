@@ -6,6 +6,7 @@ use crate::common::{run_with_chain, try_run};
 use nailnoise::design::inputs::cycle::{cycle_settings, parameters};
 use nailnoise::design::{Coupling, Design};
 use nailnoise::run::Run;
+use nailnoise::stages::cycle::Cycle;
 use nailnoise::stages::response::{COUPLED_LOADS, Coupled, couple};
 use nailnoise::store::Store;
 use nailnoise_dynamics::{Geometry, Parameters, simulate};
@@ -45,15 +46,11 @@ fn coupled(design: &Design, parameters: &Parameters, points: usize) -> Coupled {
         duration: design.analysis.duration,
         ..Settings::default()
     };
-    couple(
-        parameters,
-        design.wood.friction_share,
-        &cycle_settings(design),
-        &[body],
-        &supports,
-        &settings,
-    )
-    .unwrap()
+    let cycle = Cycle {
+        parameters: parameters.clone(),
+        settings: cycle_settings(design),
+    };
+    couple(&cycle, &[body], &supports, &settings).unwrap()
 }
 
 #[test]
@@ -313,7 +310,7 @@ fn a_block_on_springs_and_dashpots_decays_like_a_damped_mass() {
     // Weight and seated tool rest on the springs.
     let parameters = parameters(&design).unwrap();
     let held: f64 = response.contact_forces.column(0).iter().sum();
-    let seat = run.record.forces.nose[0] + run.record.forces.guard[0];
+    let seat = run.record.workpiece.as_ref().unwrap().seat[0];
     let weight = mass * parameters.ambient.gravity + seat;
     assert!((held - weight).abs() < 1e-3 * weight, "{held} {weight} N");
 }
@@ -332,7 +329,7 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
     };
     fine(&two_way);
     // The force of the support in the cycle is the load on the springs along z, not their lateral restraint.
-    let (record, response) = (&two_way.record, &coupled.response);
+    let (record, response) = (two_way.record.of_tool_of_keys().unwrap(), &coupled.response);
     let vertical = |n: usize| {
         (0..4)
             .map(|corner| response.contact_forces[(3 * corner + 2, n)])

@@ -103,7 +103,13 @@ fn power(level: Option<f64>) -> f64 {
 
 #[test]
 fn each_event_begins_an_interval_and_the_last_one_ends_with_the_shot() {
-    let occurring = SMALL_RUN.result.events.to_array().iter().flatten().count();
+    let occurring = SMALL_RUN
+        .result
+        .events
+        .0
+        .iter()
+        .filter(|event| event.time.is_some())
+        .count();
     for source in &SMALL_RUN.result.ranking {
         let intervals = &source.intervals;
         assert_eq!(intervals.len(), occurring);
@@ -167,7 +173,7 @@ fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let record = chain::cycle(&design).unwrap();
     let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap();
     let d = design.exhaust.hole_diameter;
-    let area = design.chambers.discharge_coefficient * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
+    let area = design.exhaust.discharge_coefficient * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
     let flow = &record.exhaust;
     let (mut jets, mut cycle) = ([0.0; 2], [0.0; 2]);
     for i in 0..flow.mass_flow.len() {

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assemblies;
 mod cached_body;
 mod convention;
 mod coupling;

@@ -87,7 +87,7 @@ impl Emission for Noise {
 /// Levels of a shot with this many sources.
 fn levels(count: usize) -> Levels {
     let graph = Graph::default();
-    let record = nailnoise::chain::cycle(&design(SMALL)).unwrap();
+    let record = nailnoise::chain::shot(&design(SMALL)).unwrap();
     let (cycle, end) = (Stored::ready([1; 32], record), Stored::ready([2; 32], 0.2));
     let source = |emission: Noise| {
         graph.add(Analysis {
@@ -139,7 +139,7 @@ fn a_shot_has_the_levels_of_all_sources_in_the_order_of_their_list() {
 
 #[test]
 fn a_ranking_has_all_sources_loudest_first_and_their_shares_sum_to_one() {
-    let edges = EventEdges::new(&nailnoise_dynamics::Events::default(), 0.2);
+    let edges = EventEdges::new(&[], 0.2);
     for count in [1, 2, 4, 6] {
         let list = Noise::list(count);
         let analysed: Vec<Apart<SoundSource>> = list

@@ -161,3 +161,23 @@ fn files_and_figures_are_written() {
         assert!(out.join(file).exists(), "{file}");
     }
 }
+
+/// Mass that left through a passage of a test bench for silencers \[kg\].
+fn discharged(arguments: &[&str], passage: &str) -> f64 {
+    let folder = Path::new(ROOT).join("examples/silencer");
+    let result = json(&nailnoise(&folder, &[&["cycle", "--json"], arguments].concat()));
+    let ledger = result["ledger"].as_array().unwrap();
+    let entry = ledger.iter().find(|entry| entry["name"] == format!("mass.{passage}"));
+    entry.unwrap()["value"].as_f64().unwrap()
+}
+
+#[test]
+fn a_vessel_empties_through_a_silencer_and_more_slowly_through_a_fifth_of_its_holes() {
+    let exact = 2e-3 * 6.3e5 / (287.05 * 293.15);
+    let bare = discharged(&["bare.toml"], "outlet");
+    let silenced = discharged(&["silencer.toml"], "holes");
+    assert!((bare / exact - 1.0).abs() < 1e-3, "{bare} kg of {exact}");
+    assert!((silenced / exact - 1.0).abs() < 1e-3, "{silenced} kg of {exact}");
+    let throttled = discharged(&["silencer.toml", "--set", "cycle.let.holes=20"], "holes");
+    assert!(throttled < 0.9 * exact, "{throttled} kg of {exact}");
+}

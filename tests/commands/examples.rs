@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::common::folder;
+
 /// The program `cargo test` has built of an example, next to the tests' folder.
 fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().unwrap();
@@ -113,4 +115,42 @@ fn every_numbered_example_agrees_with_its_reference() {
     for name in examples {
         assert!(!printed(name).is_empty(), "{name}");
     }
+}
+
+#[test]
+fn surface_velocities_are_written_for_every_corner_of_a_closed_surface_above_the_floor() {
+    let folder = folder("surface-velocities");
+    let output = Command::new(example("13_surface_velocities"))
+        .args(["tests/data/small.toml", folder.to_str().unwrap(), "100"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string(folder.join("surface.csv")).unwrap();
+    let cells = |row: &str| -> Vec<f64> { row.split(',').skip(2).map(|cell| cell.parse().unwrap()).collect() };
+    let corners: Vec<Vec<f64>> = text.lines().skip(1).map(cells).collect();
+    assert!(
+        corners.len() > 1000 && corners.len().is_multiple_of(4),
+        "{}",
+        corners.len()
+    );
+    // The vector areas of a surface that is open only in the floor add up to a vertical one.
+    let mut area = [0.0; 3];
+    for panel in corners.chunks(4) {
+        let edge = |to: usize| [0, 1, 2].map(|axis| panel[to][axis] - panel[0][axis]);
+        let (a, b) = (edge(1), edge(3));
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            area[axis] += a[next] * b[last] - a[last] * b[next];
+        }
+    }
+    assert!(
+        area[0].abs() < 1e-6 && area[1].abs() < 1e-6 && area[2] > 0.01,
+        "{area:?}"
+    );
+    let powers = std::fs::read_to_string(folder.join("surface-power.csv")).unwrap();
+    assert!(
+        powers.lines().nth(1).is_some_and(|row| !row.contains("NaN")),
+        "{powers}"
+    );
 }

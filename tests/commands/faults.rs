@@ -319,7 +319,14 @@ fn python(folder: &Path, works: &str) -> PathBuf {
     program
 }
 
-const OPTIMISE: [&str; 4] = ["optimise", SMALL, "--vary", "exhaust.holes=3..5"];
+const ON_CLUSTER: [&str; 6] = [
+    "sweep",
+    SMALL,
+    "--vary",
+    "exhaust.holes=3,5",
+    "--scheduler",
+    "tcp://127.0.0.1:1",
+];
 
 #[test]
 fn python_ends_with_the_command_however_that_ends() {
@@ -329,9 +336,9 @@ fn python_ends_with_the_command_however_that_ends() {
         ("HUP", Some(130)),
         ("KILL", None),
     ] {
-        let folder = folder(&format!("optimise-{signal}"));
+        let folder = folder(&format!("python-{signal}"));
         let program = python(&folder, "exec sleep 60");
-        let mut optimise = command(&OPTIMISE).env("NAILNOISE_PYTHON", &program).spawn().unwrap();
+        let mut sweep = command(&ON_CLUSTER).env("NAILNOISE_PYTHON", &program).spawn().unwrap();
         let number = folder.join("number");
         assert!(
             within(Duration::from_secs(20), || number.exists()),
@@ -339,7 +346,7 @@ fn python_ends_with_the_command_however_that_ends() {
         );
         let started = fs::read_to_string(&number).unwrap();
         let child = PathBuf::from("/proc").join(started.split_whitespace().next().unwrap());
-        let own = optimise.id().to_string();
+        let own = sweep.id().to_string();
         assert!(
             Command::new("kill")
                 .args(["-s", signal, &own])
@@ -347,7 +354,7 @@ fn python_ends_with_the_command_however_that_ends() {
                 .unwrap()
                 .success()
         );
-        assert_eq!(optimise.wait().unwrap().code(), status, "{signal}");
+        assert_eq!(sweep.wait().unwrap().code(), status, "{signal}");
         assert!(
             within(Duration::from_secs(2), || !child.exists()),
             "{signal}: python works on"
@@ -355,33 +362,17 @@ fn python_ends_with_the_command_however_that_ends() {
     }
 }
 
-/// 1 would mean that no design meets the constraints.
 #[test]
 fn a_python_that_is_killed_is_not_a_result() {
-    let folder = folder("optimise-killed");
-    for (works, status) in [("exit 0", 0), ("exit 1", 1), ("exit 2", 2), ("kill -KILL $$", 3)] {
-        let program = python(&folder, works);
-        let output = command(&OPTIMISE).env("NAILNOISE_PYTHON", &program).output().unwrap();
-        assert_eq!(output.status.code(), Some(status), "{works}: {}", messages(&output));
-        assert_eq!(messages(&output).contains("ended by signal 9"), status == 3, "{works}");
-    }
-}
-
-#[test]
-fn quiet_reaches_python_from_either_side_of_the_command() {
-    let folder = folder("optimise-quiet");
-    let program = python(&folder, "exit 0");
-    for arguments in [
-        [&["--quiet"], &OPTIMISE[..]].concat(),
-        [&OPTIMISE[..], &["--quiet", "--threads", "2"]].concat(),
+    let folder = folder("python-killed");
+    for (works, status, told) in [
+        ("exit 1", 2, "did not compute all of it"),
+        ("kill -KILL $$", 3, "ended by signal 9"),
     ] {
-        let output = command(&arguments).env("NAILNOISE_PYTHON", &program).output().unwrap();
-        assert!(output.status.success(), "{}", messages(&output));
-        let given = fs::read_to_string(folder.join("number")).unwrap();
-        assert!(
-            given.contains("-m nailnoise optimise") && given.contains("--quiet"),
-            "{given}"
-        );
+        let program = python(&folder, works);
+        let output = command(&ON_CLUSTER).env("NAILNOISE_PYTHON", &program).output().unwrap();
+        assert_eq!(output.status.code(), Some(status), "{works}: {}", messages(&output));
+        assert!(messages(&output).contains(told), "{works}: {}", messages(&output));
     }
 }
 

@@ -26,6 +26,10 @@ struct Watched {
 
 impl Watched {
     fn start(name: &str) -> Self {
+        Self::with(name, &[])
+    }
+
+    fn with(name: &str, more: &[&str]) -> Self {
         let folder = folder(name);
         let design = folder.join("own.toml");
         fs::write(
@@ -34,7 +38,7 @@ impl Watched {
         )
         .unwrap();
         fs::write(&design, text("690 kPa")).unwrap();
-        let mut process = command(&["watch", design.to_str().unwrap()])
+        let mut process = command(&[&["watch", design.to_str().unwrap()], more].concat())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -46,7 +50,8 @@ impl Watched {
         std::thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()));
         let address = address.trim().strip_prefix("http://").unwrap();
         let (host, token) = address.trim_end_matches('/').split_once('/').unwrap();
-        let (host, token) = (host.to_owned(), token.to_owned());
+        // All interfaces include the loopback one.
+        let (host, token) = (host.replace("0.0.0.0", "127.0.0.1"), token.to_owned());
         let mut stream = TcpStream::connect(&host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         write!(stream, "GET /{token}/events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
@@ -98,6 +103,20 @@ impl Watched {
         stream.read_to_string(&mut answer).unwrap();
         let (head, body) = answer.split_once("\r\n\r\n").unwrap();
         (head.split(' ').nth(1).unwrap().parse().unwrap(), body.to_owned())
+    }
+
+    /// Status of the response to the user's browser, whatever its body.
+    fn head(&self, method: &str, path: &str) -> u16 {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        write!(
+            stream,
+            "{method} /{}/{path} HTTP/1.1\r\nHost: {}\r\n\r\n",
+            self.token, self.host
+        )
+        .unwrap();
+        let mut line = String::new();
+        BufReader::new(stream).read_line(&mut line).unwrap();
+        line.split(' ').nth(1).unwrap().parse().unwrap()
     }
 
     /// Response to the user's browser.
@@ -211,6 +230,71 @@ fn a_pinned_run_is_compared_with() {
         bar.contains("690 kPa \u{2192} 710 kPa") && bar.contains("700 kPa \u{2192} 710 kPa"),
         "{bar}"
     );
+}
+
+/// A slider is a value over those of the file until the file is saved; the design is saved under a free name.
+#[test]
+fn a_slider_runs_the_design_and_saves_it() {
+    let mut watched = Watched::start("watch-sliders");
+    let news = watched.until("the sliders", |news| {
+        news["sliders"].as_array().is_some_and(|own| !own.is_empty())
+            && news["status"].as_str().unwrap().contains("run 1")
+    });
+    let sliders = news["sliders"].as_array().unwrap();
+    let slider = sliders.iter().find(|own| own["whole"] == false).unwrap();
+    let key = slider["key"].as_str().unwrap();
+    let [low, high] = [0, 1].map(|end| slider["range"][end].as_f64().unwrap());
+    let post = |watched: &Watched, path: &str| {
+        let headers = format!("Host: {}\r\nContent-Length: 0\r\n", watched.host);
+        watched.ask("POST", &format!("/{}/{path}", watched.token), &headers).0
+    };
+    assert_eq!(post(&watched, "pin"), 200);
+    let to = low + 0.75 * (high - low);
+    for wrong in [
+        format!("{key}={}", high + 2.0 * (high - low)),
+        "no.key=1".to_owned(),
+        format!("{key}=x"),
+        key.to_owned(),
+    ] {
+        assert_eq!(post(&watched, &format!("move?{wrong}")), 400, "{wrong}");
+    }
+    assert_eq!(post(&watched, &format!("move?{key}={to}")), 200);
+    let moved = watched.until("the moved run", |news| {
+        news["status"].as_str().unwrap().contains("run 2")
+    });
+    assert_eq!(moved["moved"], serde_json::json!([key]));
+    assert!(
+        moved["bar"].as_str().unwrap().contains(&format!("<code>{key}</code>")),
+        "{moved}"
+    );
+    for name in ["last", "pinned"] {
+        assert_eq!(watched.head("GET", &format!("sound/{name}")), 200, "{name}");
+    }
+    assert_eq!(post(&watched, "save"), 200);
+    let saved = watched.until("the file", |news| news["saved"].is_string());
+    let file = watched.design.with_file_name("own-1.toml");
+    assert_eq!(saved["saved"], "saved as own-1.toml");
+    let written = fs::read_to_string(&file).unwrap();
+    assert!(
+        written.contains("base = \"own.toml\"") && written.contains(key),
+        "{written}"
+    );
+    fs::write(&watched.design, text("700 kPa")).unwrap();
+    let news = watched.until("the file's run", |news| {
+        news["moved"] == serde_json::json!([]) && news["sliders"].as_array().is_some_and(|own| !own.is_empty())
+    });
+    assert!(news["saved"].is_null());
+}
+
+#[test]
+fn a_page_for_others_needs_the_token_and_an_address() {
+    let watched = Watched::with("watch-listen", &["--listen", "0.0.0.0"]);
+    let port = watched.host.split_once(':').unwrap().1;
+    let host = format!("Host: 127.0.0.1:{port}\r\n");
+    assert_eq!(watched.ask("GET", &format!("/{}/", watched.token), &host).0, 200);
+    assert_eq!(watched.ask("GET", "/", &host).0, 403);
+    let named = format!("Host: nailnoise.example:{port}\r\n");
+    assert_eq!(watched.ask("GET", &format!("/{}/", watched.token), &named).0, 403);
 }
 
 /// Each sends a byte now and then, so that no single wait for it is long.

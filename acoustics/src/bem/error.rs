@@ -1,13 +1,13 @@
 use crate::checks::InputError;
 use thiserror::Error;
 
-/// Why boundary elements cannot be applied to a surface or a frequency.
+/// Why the boundary element method cannot be applied to a surface or a frequency.
 #[derive(Debug, Error)]
 pub enum BemError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A surface whose exterior is to be solved has a hole.
+    /// A surface whose exterior problem is to be solved has a hole.
     #[error(
         "the surface is open: {edges} edges belong to one panel only, one of them near {at:?} m; merge coincident \
          nodes \
@@ -19,12 +19,12 @@ pub enum BemError {
         /// Middle of one of them \[m\].
         at: [f64; 3],
     },
-    /// More than two panels meet at an edge, or one twice.
+    /// More than two panels meet at an edge, or a panel meets it twice.
     #[error(
         "{panels} panels meet at the edge near {at:?} m; a closed surface has two at every edge, remove the others"
     )]
     TangledSurface {
-        /// Panels at the edge.
+        /// Number of panels at the edge.
         panels: usize,
         /// Middle of the edge \[m\].
         at: [f64; 3],
@@ -57,18 +57,18 @@ pub enum BemError {
         /// Lowest coordinate along the axis \[m\].
         lowest: f64,
     },
-    /// A panel lies on no face of the mesh that moves it.
+    /// A panel is not covered by the faces of the volume mesh that moves it.
     #[error(
         "the faces of the volume mesh cover {share:.6} of panel {panel} near {at:?} m; body and boundary mesh must \
          have \
          the same flat sides"
     )]
     Uncovered {
-        /// Number of the panel.
+        /// Index of the panel.
         panel: usize,
         /// Its centre \[m\].
         at: [f64; 3],
-        /// Area covered over its area.
+        /// Covered fraction of its area.
         share: f64,
     },
     /// A surface that should be flat is not.
@@ -76,7 +76,7 @@ pub enum BemError {
         "panel {panel} lies up to {off:.1e} m out of the plane of the first; a thin plate is given by its flat midplane"
     )]
     NotFlat {
-        /// Number of the panel.
+        /// Index of the panel.
         panel: usize,
         /// Largest distance of its nodes from the plane \[m\].
         off: f64,
@@ -84,29 +84,29 @@ pub enum BemError {
     /// A panel has zero area.
     #[error("panel {panel} has an area of {area:.1e} m2; remove it or repair the mesh")]
     DegeneratePanel {
-        /// Number of the panel.
+        /// Index of the panel.
         panel: usize,
         /// Its area \[m²\].
         area: f64,
     },
-    /// The mesh does not resolve the wave.
+    /// The mesh does not resolve the wavelength.
     #[error(
         "the panels' longest edge, {edge} m, is 1/{per_wavelength:.1} of the wavelength at {hz:.0} Hz; 1/{needed} is \
          needed: stay below {highest:.0} Hz or refine the mesh"
     )]
     TooCoarse {
-        /// Frequency asked for \[Hz\].
+        /// Requested frequency \[Hz\].
         hz: f64,
         /// Longest edge \[m\].
         edge: f64,
-        /// Panels per wavelength there are.
+        /// Panels per wavelength.
         per_wavelength: f64,
-        /// Panels per wavelength there should be.
+        /// Required panels per wavelength.
         needed: f64,
         /// Highest frequency the mesh resolves \[Hz\].
         highest: f64,
     },
-    /// The compressed equations were not solved.
+    /// The compressed equations did not converge.
     #[error(
         "after {steps} steps the residual of the compressed boundary-element equations is {residual:.1e} of the \
          right-hand \
@@ -115,9 +115,9 @@ pub enum BemError {
     NotConverged {
         /// Largest residual of a pattern relative to its right-hand side.
         residual: f64,
-        /// Residual asked for.
+        /// Required residual.
         tolerance: f64,
-        /// Steps taken.
+        /// Number of steps taken.
         steps: usize,
     },
 }

@@ -1,13 +1,13 @@
-//! Boundary elements for the sound around a closed surface, in free space or above a rigid floor.
+//! Boundary element method for the sound around a closed surface, in free space or above a rigid floor.
 //!
 //! ```text
 //! mesh -> Boundary   closed, normals into the air, above the floor; repairs are counted
 //!      -> Exterior   blocks of panels, close pairs and their rules; cost estimate
 //!      -> solve      one frequency: operators, one factorisation, pressure of all velocity patterns
-//!      -> R(f)       from the far field (symmetric, positive), and from the surface beside it
+//!      -> R(f)       from the far field (symmetric, positive), and for comparison from the surface
 //! ```
 //!
-//! One frequency runs on one thread; different frequencies run in parallel.
+//! Each frequency is solved on one thread; different frequencies run in parallel.
 
 pub(crate) mod error;
 pub(crate) mod mesh;

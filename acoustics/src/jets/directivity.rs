@@ -9,7 +9,8 @@ const STEP: f64 = 0.05;
 const ROWS: usize = 19;
 const ROW: f64 = PI / 18.0;
 
-/// lg D at lg(U_j/c0) = -0.4 (0.05) 0.4; a row every 10 degrees of the angle from the nozzle's back, 0 to 180.
+/// lg D at lg(U_j/c0) = -0.4 (0.05) 0.4, with one row for every 10 degrees of the angle from the upstream direction, 0
+/// to 180.
 #[rustfmt::skip]
 const LG_D: [[f64; 17]; ROWS] = [
     [-0.48, -0.52, -0.55, -0.6, -0.63, -0.67, -0.72, -0.8, -0.86, -0.97, -1.09, -1.23, -1.34, -1.41, -1.46, -1.44,
@@ -44,25 +45,26 @@ const LG_D: [[f64; 17]; ROWS] = [
     [0.45, 0.49, 0.52, 0.54, 0.56, 0.59, 0.61, 0.54, 0.46, 0.38, 0.27, 0.25, 0.23, 0.09, -0.01, -0.16, -0.25],
 ];
 
-/// Directivity of a jet's mixing noise: mean square pressure at an angle over that of the same power radiated evenly.
+/// Directivity of a jet's mixing noise: the mean square pressure at an angle, relative to that of an omnidirectional
+/// source of the same power.
 ///
 /// ```text
 /// <p^2> = rho0 c0 W D(theta) / (4 pi r^2)        1/2 int_0^pi D(theta) sin theta d theta = 1
 /// ```
 ///
 /// NASA TM-83199, sec. 8.4, after SAE ARP876; values as transcribed in MIT-LAE/pyNA, lg D linear between them. Because
-/// the table has two decimals, its mean over all directions differs from 1 by up to 0.25 dB. D is divided by that mean,
-/// which the interpolation has in closed form, so that it redistributes power without changing the total.
+/// the table has only two decimals, its mean over all directions differs from 1 by up to 0.25 dB. D is divided by that
+/// mean, computed in closed form for the interpolated table, so that it redistributes power without changing the total.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixingDirectivity {
-    /// ln D every 10 degrees from the nozzle's back.
+    /// ln D for every 10 degrees from the upstream direction.
     ln_d: [f64; ROWS],
-    /// Mean of the table over all directions, before the division.
+    /// Mean of the table over all directions, before normalisation.
     table_mean: f64,
 }
 
 impl MixingDirectivity {
-    /// At the jet speed lg(U_j/c0), clamped to the interval from -0.4 to 0.4.
+    /// Directivity at the jet speed lg(U_j/c0), clamped to -0.4 .. 0.4.
     pub fn new(lg_velocity: f64) -> Self {
         let mut ln_d = LG_D.map(|row| interpolate(&row, (lg_velocity - START) / STEP) * std::f64::consts::LN_10);
         let table_mean = mean(&ln_d);
@@ -70,7 +72,7 @@ impl MixingDirectivity {
         Self { ln_d, table_mean }
     }
 
-    /// D at the angle `from_axis` between the jet's direction and the observer's \[rad\], 0 downstream.
+    /// D at the angle `from_axis` between the direction of the jet and that of the observer \[rad\]; 0 is downstream.
     pub fn at(&self, from_axis: f64) -> f64 {
         interpolate(&self.ln_d, (PI - from_axis) / ROW).exp()
     }
@@ -81,8 +83,8 @@ impl MixingDirectivity {
     }
 }
 
-/// 1/2 int e^{ln D} sin phi d phi with ln D linear between the rows, a its slope:
-/// int e^{a phi} sin phi d phi = e^{a phi} (a sin phi - cos phi) / (1 + a^2).
+/// 1/2 int e^{ln D} sin phi d phi, where ln D is linear with slope a between the rows: int e^{a phi} sin phi d phi =
+/// e^{a phi} (a sin phi - cos phi) / (1 + a^2).
 fn mean(ln_d: &[f64; ROWS]) -> f64 {
     let piece = |(i, pair): (usize, &[f64])| {
         let a = (pair[1] - pair[0]) / ROW;

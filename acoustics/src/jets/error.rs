@@ -15,11 +15,11 @@ pub enum ExhaustError {
     HoleArea {
         /// Number of holes.
         count: usize,
-        /// Diameter of one \[m\].
+        /// Diameter of a hole \[m\].
         diameter: f64,
-        /// Their area \[m²\].
+        /// Total area of the holes \[m²\].
         found: f64,
-        /// Area given \[m²\].
+        /// Specified area \[m²\].
         area: f64,
     },
     /// Air leaves against a higher pressure.
@@ -28,16 +28,16 @@ pub enum ExhaustError {
          a pressure above ambient before the opening: check the pressures' origin (absolute, not gauge)"
     )]
     BelowAmbient {
-        /// The sample.
+        /// Index of the sample.
         sample: usize,
         /// Mass flow outward \[kg/s\].
         flow: f64,
-        /// Pressure before the opening \[Pa\].
+        /// Pressure upstream of the opening \[Pa\].
         pressure: f64,
         /// Ambient pressure \[Pa\].
         ambient: f64,
     },
-    /// Exhaust holes so close that their jets merge.
+    /// Exhaust holes are so close that their jets merge.
     #[error(
         "{count} holes of {diameter} m stand {pitch} m apart; below three diameters their jets merge: give a larger \
          pitch, or one hole of {merged:.2e} m"

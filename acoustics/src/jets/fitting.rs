@@ -8,22 +8,25 @@ use crate::air::Air;
 use crate::checks::{InputError, positive};
 use crate::muffler::plane_wave_limit;
 
-/// Width of the transition to the range above the plane waves: a sixth of an octave.
+/// Width of the transition to frequencies above the plane-wave range: a sixth of an octave.
 const TRANSITION: f64 = 1.0 / 6.0;
 
 /// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter
-/// wave.
+/// wave of the gas inside it.
 ///
-/// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end, whose
-/// impedance r + j x is that of [`OpenEnd`]. The jet at the outlet, p = rho U^2/2, adds M, which absorbs and does not
-/// radiate.
+/// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end. The gas
+/// of the outflow fills the pipe and the near field of its mouth, as it leaves there as a jet. The far field is the
+/// ambient air. The impedance of the end over rho c/S of the outflow's gas combines three parts: the reactance x of
+/// [`OpenEnd`] in that gas, the resistance r of [`OpenEnd`] in the ambient air, and M of the jet p = rho U^2/2, which
+/// absorbs and does not radiate.
 ///
 /// ```text
-/// H = 1/(cos kL + j z sin kL)     z = r + j x + M     G = |H|^2 4 r/(ka)^2
+/// k = 2 pi f/c, k0 = 2 pi f/c0                    z = (rho0 c0/rho c) r(k0 a) + j x(k a) + M
+/// H = 1/(cos kL + j z sin kL)                     G = |H|^2 4 r(k0 a)/(k0 a)^2
 /// ```
 ///
-/// G is the energy over that of the same flow as a monopole in the open. Above the first cross mode of the pipe, G = 1
-/// is assumed; over the sixth of an octave below it, G goes over to 1.
+/// G is the radiated energy relative to that of the same flow as a monopole in free space. G = 1 is assumed above the
+/// first cross mode of the pipe; there is a transition over the sixth of an octave below it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PipeFitting {
     /// Length L from the holes to the open end \[m\].
@@ -34,52 +37,33 @@ pub struct PipeFitting {
     pub outlet_mach: f64,
 }
 
+/// A pipe fitting with the gas inside it, in the air outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilledFitting {
+    /// The pipe.
+    pub pipe: PipeFitting,
+    /// The gas of the outflow, at its stagnation temperature and ambient pressure.
+    pub gas: Air,
+    /// The ambient air.
+    pub outside: Air,
+}
+
 impl PipeFitting {
-    /// Ratio H of the volume flows at the open end and at the holes, for an impedance z of the end over rho0 c0/S.
-    pub fn flow_ratio(&self, hz: f64, end: Complex<f64>, air: &Air) -> Complex<f64> {
-        let (sine, cosine) = (2.0 * PI * hz / air.sound_speed * self.length).sin_cos();
-        (cosine + Complex::<f64>::i() * end * sine).inv()
-    }
-
-    /// Highest frequency of plane waves \[Hz\].
-    pub fn plane_wave_limit(&self, air: &Air) -> f64 {
-        plane_wave_limit(self.diameter, air.sound_speed)
-    }
-
-    /// Energy G(f) over that of the monopole without the fitting.
+    /// The pipe with gas of the outflow's stagnation `temperature` \[K\], in the air `outside`. The flow in the pipe is
+    /// slow, so that its temperature is that of stagnation.
     ///
     /// # Errors
-    /// Dimensions that are not positive, a negative Mach number, a frequency that is not positive.
-    pub fn gain(&self, hz: f64, air: &Air) -> Result<f64, InputError> {
-        self.response(hz, air).map(|response| response.norm_sqr())
+    /// Dimensions or a temperature that are not positive, a Mach number outside 0 to 1.
+    pub fn filled(&self, temperature: f64, outside: &Air) -> Result<FilledFitting, InputError> {
+        self.check()?;
+        Ok(FilledFitting {
+            pipe: *self,
+            gas: outside.in_state(temperature, outside.pressure)?,
+            outside: *outside,
+        })
     }
 
-    /// Factor on the signal of the monopole; its square is G.
-    ///
-    /// # Errors
-    /// As [`gain`](Self::gain).
-    pub fn response(&self, hz: f64, air: &Air) -> Result<Complex<f64>, InputError> {
-        positive("frequency [Hz]", hz)?;
-        let k = 2.0 * PI * hz / air.sound_speed;
-        let limit = self.plane_wave_limit(air);
-        let above = Complex::from_polar(1.0, -k * self.length);
-        // 0 where only plane waves run, 1 at the first cross mode and above it.
-        let share = (1.0 + (hz / limit).log2() / TRANSITION).clamp(0.0, 1.0);
-        if share >= 1.0 {
-            return Ok(above);
-        }
-        let ka = 0.5 * k * self.diameter;
-        let end = OpenEnd::new(ka)?.impedance;
-        let plane = self.flow_ratio(hz, end + self.outlet_mach, air) * (2.0 * end.re.sqrt() / ka);
-        if share <= 0.0 {
-            return Ok(plane);
-        }
-        let energy = (1.0 - share) * plane.norm_sqr() + share;
-        let direction = plane.unscale(plane.norm()).scale(1.0 - share) + above.scale(share);
-        Ok(Complex::from_polar(energy.sqrt(), direction.arg()))
-    }
-
-    pub(super) fn check(&self) -> Result<(), InputError> {
+    fn check(&self) -> Result<(), InputError> {
         positive("length of the exhaust fitting [m]", self.length)?;
         positive("diameter of the exhaust fitting [m]", self.diameter)?;
         if self.outlet_mach >= 0.0 && self.outlet_mach <= 1.0 {
@@ -91,5 +75,56 @@ impl PipeFitting {
             low: 0.0,
             high: 1.0,
         })
+    }
+}
+
+impl FilledFitting {
+    /// Ratio H of the volume flows at the open end and at the holes, for an impedance z of the end over rho c/S of the
+    /// gas inside.
+    pub fn flow_ratio(&self, hz: f64, end: Complex<f64>) -> Complex<f64> {
+        let (sine, cosine) = (2.0 * PI * hz / self.gas.sound_speed * self.pipe.length).sin_cos();
+        (cosine + Complex::<f64>::i() * end * sine).inv()
+    }
+
+    /// Highest frequency of plane waves \[Hz\].
+    pub fn plane_wave_limit(&self) -> f64 {
+        plane_wave_limit(self.pipe.diameter, self.gas.sound_speed)
+    }
+
+    /// Energy G(f) over that of the monopole without the fitting.
+    ///
+    /// # Errors
+    /// A frequency that is not positive.
+    pub fn gain(&self, hz: f64) -> Result<f64, InputError> {
+        self.response(hz).map(|response| response.norm_sqr())
+    }
+
+    /// Factor on the signal of the monopole; its square is G.
+    ///
+    /// # Errors
+    /// As [`gain`](Self::gain).
+    pub fn response(&self, hz: f64) -> Result<Complex<f64>, InputError> {
+        positive("frequency [Hz]", hz)?;
+        let k = 2.0 * PI * hz / self.gas.sound_speed;
+        let limit = self.plane_wave_limit();
+        let above = Complex::from_polar(1.0, -k * self.pipe.length);
+        // 0 where only plane waves run, 1 at the first cross mode and above it.
+        let share = (1.0 + (hz / limit).log2() / TRANSITION).clamp(0.0, 1.0);
+        if share >= 1.0 {
+            return Ok(above);
+        }
+        let radius = 0.5 * self.pipe.diameter;
+        let outer_ka = 2.0 * PI * hz / self.outside.sound_speed * radius;
+        let reactance = OpenEnd::new(k * radius)?.impedance.im;
+        let resistance = OpenEnd::new(outer_ka)?.impedance.re;
+        let radiation = resistance * self.outside.impedance() / self.gas.impedance();
+        let end = Complex::new(radiation + self.pipe.outlet_mach, reactance);
+        let plane = self.flow_ratio(hz, end) * (2.0 * resistance.sqrt() / outer_ka);
+        if share <= 0.0 {
+            return Ok(plane);
+        }
+        let energy = (1.0 - share) * plane.norm_sqr() + share;
+        let direction = plane.unscale(plane.norm()).scale(1.0 - share) + above.scale(share);
+        Ok(Complex::from_polar(energy.sqrt(), direction.arg()))
     }
 }

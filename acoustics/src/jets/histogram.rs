@@ -4,16 +4,16 @@ const PER_DECADE: f64 = 160.0;
 const START: f64 = -1.0;
 const POINTS: usize = 1281;
 
-/// Energy by the frequency at which its spectrum peaks, on a logarithmic lattice.
+/// Distribution of energy over the peak frequency of its spectrum, on a logarithmic lattice.
 ///
-/// Spectra of one shape, shifted along the logarithmic frequency axis, add up to a convolution of this histogram with
-/// the shape, so that a record of any length costs one deposit per sample. A deposit is shared between two lattice
-/// points, which conserves energy exactly and is an interpolation of second order in the lattice width of 1.4 %.
+/// Spectra of the same shape, shifted along the logarithmic frequency axis, sum to a convolution of this histogram with
+/// the shape. A record of any length therefore costs one deposit per sample. Each deposit is shared between two lattice
+/// points, which conserves energy exactly and amounts to second-order interpolation at the lattice spacing of 1.4 %.
 pub(super) struct PeakHistogram {
     energy: Vec<f64>,
 }
 
-/// Lattice point below the frequency and the share of the one above it.
+/// Lattice point below the frequency, and the share of the one above it.
 fn place(peak_hz: f64) -> (usize, f64) {
     let x = position(peak_hz).clamp(0.0, (POINTS - 1) as f64);
     let i = (x as usize).min(POINTS - 2);
@@ -24,14 +24,14 @@ fn position(hz: f64) -> f64 {
     (hz.log10() - START) * PER_DECADE
 }
 
-/// Cubic interpolation between lattice points: linear in the lattice's values, so that it has an adjoint.
+/// Cubic interpolation between lattice points; linear in the lattice's values, so that it has an adjoint.
 struct Stencil {
-    /// First of the four points, from the first point of the lattice stretch.
+    /// First of the four points, relative to the start of the lattice section.
     first: usize,
     weights: [f64; 4],
 }
 
-/// A stretch of the lattice that covers a range of frequencies, with one shape around every lattice point.
+/// A section of the lattice that covers a range of frequencies, with the shape around every lattice point.
 struct Stretch {
     from: i64,
     to: i64,
@@ -40,7 +40,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// For peaks on the lattice points `first` to `last`.
+    /// Creates a section for peaks at the lattice points `first` to `last`.
     fn new(shape: impl Fn(f64) -> f64, low: f64, high: f64, first: usize, last: usize) -> Self {
         let (from, to) = (position(low).floor() as i64 - 1, position(high).floor() as i64 + 2);
         let least = from - last as i64;
@@ -50,7 +50,7 @@ impl Stretch {
         Self { from, to, least, table }
     }
 
-    /// The shape of a peak on lattice point `peak` at every point of the stretch.
+    /// The shape of a peak at lattice point `peak`, evaluated at every point of the section.
     fn around(&self, peak: usize) -> &[f64] {
         let start = (self.from - peak as i64 - self.least) as usize;
         &self.table[start..=start + (self.to - self.from) as usize]
@@ -58,7 +58,7 @@ impl Stretch {
 
     fn stencil(&self, hz: f64) -> Stencil {
         let x = position(hz) - self.from as f64;
-        // Points i - 1 to i + 2 around x; the stretch has one to spare at either end.
+        // Points i - 1 to i + 2 around x; the section has one extra point at either end.
         let i = (x as usize).clamp(1, (self.to - self.from) as usize - 2);
         let s = x - i as f64;
         let weights = [
@@ -84,7 +84,7 @@ impl PeakHistogram {
         self.energy[i + 1] += share * energy;
     }
 
-    /// Energy density \[J/Hz\] of spectra of a shape at the frequencies it is spread over.
+    /// Energy density \[J/Hz\] of spectra of the given shape, at the frequencies of `shape`.
     pub(super) fn spread(&self, shape: &Spreading) -> Vec<f64> {
         let Some(stretch) = &shape.stretch else {
             return Vec::new();
@@ -102,11 +102,11 @@ impl PeakHistogram {
     }
 }
 
-/// A shape of spectra (per ln f, over f/f_peak) at rising frequencies, wherever on the lattice its peak lies.
+/// A spectral shape (per ln f, as a function of f/f_peak) at ascending frequencies, for peaks anywhere on the lattice.
 pub(super) struct Spreading {
-    /// None without frequencies.
+    /// None if there are no frequencies.
     stretch: Option<Stretch>,
-    /// Every frequency with its place.
+    /// Every frequency with its position on the lattice.
     stencils: Vec<(f64, Stencil)>,
 }
 
@@ -122,14 +122,14 @@ impl Spreading {
 
 /// Weighted sum of a spectrum over frequencies, as a function of its peak frequency.
 ///
-/// The adjoint of [`PeakHistogram::spread`]: the weighted sums of single deposits add up to that of the spread
+/// The adjoint of [`PeakHistogram::spread`]: the weighted sums for single deposits add up to that of the spread
 /// spectrum, to rounding.
 pub(super) struct PeakWeights {
     weight: Vec<f64>,
 }
 
 impl PeakWeights {
-    /// For spectra of the given shape and sum_k w_k E(f_k).
+    /// Creates the weights for spectra of the given shape and the sum sum_k w_k E(f_k).
     pub(super) fn new(
         shape: impl Fn(f64) -> f64,
         frequency: &[f64],
@@ -161,7 +161,7 @@ impl PeakWeights {
         Self { weight }
     }
 
-    /// The weighted sum of the spectrum of unit energy that peaks at `peak_hz`.
+    /// The weighted sum of a unit-energy spectrum that peaks at `peak_hz`.
     pub(super) fn of(&self, peak_hz: f64) -> f64 {
         let (i, share) = place(peak_hz);
         (1.0 - share) * self.weight[i] + share * self.weight[i + 1]

@@ -2,7 +2,7 @@ use super::histogram::PeakWeights;
 use super::{shock, similarity};
 use crate::signals::{IntervalLevels, PowerHistory, PowerSignals, SignalAnalysis, Weighting, energy_weights};
 
-/// One sample's sound energy and the frequency at which its spectrum peaks.
+/// Sound energy of one sample, and the peak frequency of its spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Burst {
     pub(super) sample: usize,
@@ -12,10 +12,10 @@ pub(super) struct Burst {
     pub(super) lg_velocity: f64,
 }
 
-/// An opening's noise over time.
+/// Noise of an opening over time.
 ///
-/// Jet noise is random: a sample's energy is radiated within its sample, and its share inside a range follows from its
-/// spectrum. The outflow's monopole is a signal.
+/// Jet noise is random: the energy of a sample is radiated within that sample, and its share within a frequency range
+/// follows from its spectrum. The monopole of the outflow is a deterministic signal.
 #[derive(Debug, Clone)]
 pub struct ExhaustHistory {
     pub(super) sample_interval: f64,
@@ -52,10 +52,10 @@ impl ExhaustHistory {
         }
     }
 
-    /// A-weighted power of jets and monopole within `range_hz`, and the levels between neighbouring `edges` \[s\].
+    /// A-weighted power of jets and monopole within `range_hz`, and the levels between adjacent `edges` \[s\].
     ///
-    /// Cutting random noise does not change its expected energy if its spectrum is smooth on the scale of the spectrum
-    /// of the cut; the level by measurement therefore differs only in the monopole.
+    /// Windowing random noise does not change its expected energy if its spectrum is smooth on the scale of the
+    /// window's spectrum. The level as measured therefore differs only for the monopole.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> (Vec<PowerHistory>, Vec<IntervalLevels>) {
         let jets = self.jets(range_hz);
         let between = jets.energies_between(edges);

@@ -8,7 +8,7 @@ use crate::air::Air;
 /// D_j/d = [(1 + (g-1)/2 M_j^2) / ((g+1)/2)]^((g+1)/(4(g-1))) M_j^{-1/2}     for M_j > 1, else 1
 /// ```
 ///
-/// Isentropic expansion of a perfect gas, that of the air around the tool; D_j follows from mass conservation.
+/// The expansion is isentropic and the gas perfect, like the air around the tool; D_j follows from mass conservation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet {
     /// Mach number M_j.
@@ -19,12 +19,13 @@ pub struct Jet {
     pub velocity: f64,
     /// Density rho_j \[kg/m³\].
     pub density: f64,
-    /// Diameter over that of the hole, D_j/d.
+    /// Ratio D_j/d of its diameter to that of the hole.
     pub diameter_ratio: f64,
 }
 
 impl Jet {
-    /// The jet from stagnation pressure \[Pa\] and temperature \[K\]; `None` unless it exceeds the ambient one.
+    /// Expands from stagnation pressure \[Pa\] and temperature \[K\]; `None` unless the pressure exceeds the ambient
+    /// one.
     pub fn expand(pressure: f64, temperature: f64, air: &Air) -> Option<Self> {
         if pressure.is_nan() || pressure <= air.pressure {
             return None;
@@ -48,7 +49,7 @@ impl Jet {
         })
     }
 
-    /// Area A_j of the expanded jets of an effective area A \[m²\].
+    /// Total area A_j of the expanded jets, given the effective area A \[m²\].
     pub fn area(&self, effective_area: f64) -> f64 {
         effective_area * self.diameter_ratio * self.diameter_ratio
     }

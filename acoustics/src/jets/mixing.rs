@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 /// Range of lg(U_j/c0) for which the correlation is valid.
 pub const MIXING_RANGE: RangeInclusive<f64> = -0.4..=0.4;
 
-/// First lg V* of both tables and their step.
+/// First lg V* of both tables, and their step.
 const START: f64 = -0.45;
 const STEP: f64 = 0.05;
 
@@ -26,8 +26,8 @@ const LG_P: [f64; 18] = [
 /// W = 6.67e-5 rho*^omega V*^8 P(V*) rho0 c0^3 A_j        V* = U_j/c0,  rho* = rho_j/rho0
 /// ```
 ///
-/// SAE ARP876 in the form of NASA TM-83199, sec. 8.4. `jet_area` is A_j of all jets \[m²\]. Outside [`MIXING_RANGE`]
-/// omega and P take their end values, so that W ~ U^8 below.
+/// SAE ARP876 in the form of NASA TM-83199, sec. 8.4. `jet_area` is A_j of all jets \[m²\]. Outside [`MIXING_RANGE`],
+/// omega and P are constant, so that W ~ U^8 at low speeds.
 pub fn mixing_power(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
     let v = jet.velocity / air.sound_speed;
     let lg_v = v.log10();

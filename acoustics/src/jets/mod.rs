@@ -1,9 +1,9 @@
-//! Exhaust noise from the flow of one cycle.
+//! Exhaust noise from the air flow of one cycle.
 //!
-//! For each sample, the jet of the opening is expanded to ambient pressure ([`Jet`]); the power of its mixing and shock
-//! noise is distributed over frequency by the spectral shape at that instant and integrated over the record. The
-//! unsteady outflow is a monopole. Inward flow radiates no sound in this model. [`ExhaustNoise::at`] gives the exposure
-//! at a microphone near a jet and above a floor, and [`ExhaustNoise::sound_at`] the signal there.
+//! For each sample, the jet of the opening is expanded to ambient pressure ([`Jet`]). The power of its mixing and shock
+//! noise is distributed over frequency by the spectral shape at that instant, and integrated over the record. The
+//! unsteady outflow is a monopole. Inflow radiates no sound in this model. [`ExhaustNoise::at`] gives the sound
+//! exposure at a microphone near a jet and above a floor, and [`ExhaustNoise::sound_at`] the signal there.
 
 mod directivity;
 pub(crate) mod error;
@@ -25,7 +25,7 @@ mod valve;
 
 pub use directivity::MixingDirectivity;
 pub use error::ExhaustError;
-pub use fitting::PipeFitting;
+pub use fitting::{FilledFitting, PipeFitting};
 pub use history::ExhaustHistory;
 pub use jet::Jet;
 pub use mixing::{MIXING_RANGE, mixing_power};

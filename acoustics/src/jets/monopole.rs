@@ -6,7 +6,7 @@ use rustfft::num_complex::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Resonance of the air in the openings on the plenum behind them.
+/// Resonance of the air in the openings with the compliance of the plenum behind them.
 ///
 /// ```text
 /// f_0 = (c/2 pi) sqrt(A / (V L'))        H = 1 / [1 - (f/f_0)^2 + j f/(f_0 Q)]
@@ -15,20 +15,20 @@ use std::f64::consts::PI;
 pub struct PlenumResonance {
     /// Volume V of the plenum \[m³\].
     pub volume: f64,
-    /// Length L' of the openings with end corrections \[m\].
+    /// Length L' of the openings, including end corrections \[m\].
     pub neck_length: f64,
     /// Quality factor Q.
     pub quality: f64,
 }
 
 impl PlenumResonance {
-    /// Resonance frequency f_0 \[Hz\] with the gas of `air` at the given temperature \[K\] in the plenum.
+    /// Resonance frequency f_0 \[Hz\] for a plenum filled with the gas of `air` at the given temperature \[K\].
     pub fn frequency(&self, opening: &Opening, temperature: f64, air: &Air) -> f64 {
         let c = (air.heat_ratio * air.gas_constant * temperature).sqrt();
         c / (2.0 * PI) * (opening.area() / (self.volume * self.neck_length)).sqrt()
     }
 
-    /// |H|² at the frequency `hz` for the resonance frequency `resonance_hz`.
+    /// |H|² at the frequency `hz`, for the resonance frequency `resonance_hz`.
     pub fn gain(&self, hz: f64, resonance_hz: f64) -> f64 {
         self.response(hz, resonance_hz).norm_sqr()
     }
@@ -46,15 +46,15 @@ impl PlenumResonance {
     }
 }
 
-/// Frequencies \[Hz\] and signal x(f) of the unsteady outflow as a monopole in free space, E = 2 |x|².
+/// Frequencies \[Hz\] and signal x(f) of the unsteady outflow as a monopole in free space; E = 2 |x|².
 ///
 /// ```text
 /// E(f) = 2 |H F{d(m' T_0/T_a)/dt}|^2 / (4 pi rho0 c0)
 /// ```
 ///
-/// The derivative is taken between samples and corrected for the difference quotient's sinc(pi f dt). It is exact for a
-/// record without content above half the sampling frequency. H is 1, or that of the plenum with its resonance
-/// frequency.
+/// The derivative is computed from differences between samples and corrected for their transfer function sinc(pi f dt).
+/// It is exact for a record without components above half the sampling frequency. H is 1, or the response of the plenum
+/// with its resonance frequency.
 pub(super) fn monopole(
     history: &FlowHistory,
     air: &Air,
@@ -73,7 +73,7 @@ pub(super) fn monopole(
     let frequency = transform.frequencies();
     let signal = |(hz, x): (&f64, Complex<f64>)| {
         let phase = PI * hz * dt;
-        // The quotient between two samples belongs to the middle between them.
+        // A difference quotient belongs to the midpoint between its samples.
         let middle = Complex::from_polar(phase / phase.sin() / (4.0 * PI * air.impedance()).sqrt(), -phase);
         let filter = plenum.map_or(Complex::ONE, |(plenum, f0)| plenum.response(*hz, f0));
         middle * filter * x

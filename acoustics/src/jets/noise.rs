@@ -15,17 +15,17 @@ use crate::signals::{Contribution, PowerSignals, SourceSpectrum};
 use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 
-/// Name of the contribution of the unsteady outflow, a monopole.
+/// Name of the contribution from unsteady outflow, a monopole.
 pub const UNSTEADY_FLOW: &str = "unsteady flow";
 
-/// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
+/// Strouhal number f D_j/U_j at which mixing noise peaks, in the spectrum per hertz.
 ///
-/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets of drilled plates (0.1 to 0.3 for free jets, 5.4.2), there as the
-/// peak in third octaves; those of the similarity spectrum peak at 0.6. A cold jet of NASA's rig at 302 m/s peaks at 1
-/// in third octaves at 60 and 90 degrees; `docs/uncertainty.md` has the differences.
+/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets from drilled plates (0.1 to 0.3 for free jets, 5.4.2), for the peak
+/// in third octaves; third octaves of the similarity spectrum peak at 0.6. In third octaves, a cold jet at 302 m/s in
+/// NASA's rig peaks at 1, at 60 and 90 degrees; `docs/uncertainty.md` discusses the differences.
 const MIXING_STROUHAL: f64 = 0.2;
 
-/// Largest fraction of the mass that may leave against a higher pressure, because of inertia or at the end of a filling
+/// Largest fraction of the mass that may leave against a higher pressure, due to inertia or at the end of a filling
 /// flow.
 const ADVERSE_MASS: f64 = 0.01;
 
@@ -34,19 +34,19 @@ const ADVERSE_MASS: f64 = 0.01;
 pub struct ExhaustSettings {
     /// Range, taper and padding of the transform.
     pub transform: TransformSettings,
-    /// Resonance of the plenum as a filter of the unsteady outflow.
+    /// Plenum resonance that filters the unsteady outflow.
     pub plenum: Option<PlenumResonance>,
-    /// Pipe on the openings, which filters the unsteady outflow; jets pass it unchanged.
+    /// Pipe on the openings, which filters the unsteady outflow; jet noise passes unchanged.
     pub fitting: Option<PipeFitting>,
-    /// Muffler between jets and outflow and the air.
+    /// Muffler between the openings and the open air.
     pub muffler: Option<Muffler>,
-    /// Whether the unsteady outflow is included. At the end of a muffler it is not, because it is already included at
-    /// the holes before the muffler.
+    /// Whether the unsteady outflow is included. It is excluded at the outlet of a muffler, because it is already
+    /// included at the holes upstream.
     pub unsteady_flow: bool,
 }
 
 impl Default for ExhaustSettings {
-    /// 20 Hz to 20 kHz, no plenum resonance, no fitting, no muffler.
+    /// 20 Hz to 20 kHz, without plenum resonance, fitting or muffler.
     fn default() -> Self {
         let transform = TransformSettings {
             range_hz: [20.0, 20_000.0],
@@ -67,14 +67,16 @@ impl Default for ExhaustSettings {
 pub struct ExhaustNoise {
     /// Energy spectrum with the contributions `mixing`, `shock` and `unsteady flow`.
     pub spectrum: SourceSpectrum,
-    /// Energy of mixing noise over all frequencies, before a muffler \[J\].
+    /// Energy of mixing noise over all frequencies, upstream of a muffler \[J\].
     pub mixing_energy: f64,
-    /// Energy of shock noise over all frequencies, before a muffler \[J\].
+    /// Energy of shock noise over all frequencies, upstream of a muffler \[J\].
     pub shock_energy: f64,
-    /// Share of the mixing energy from jet speeds outside the correlation's range.
+    /// Share of the mixing energy from jet speeds outside the range of the correlation.
     pub mixing_outside_range: f64,
-    /// Mass that left through the opening according to the cycle \[kg\].
+    /// Mass that left through the opening, according to the cycle \[kg\].
     pub mass: f64,
+    /// Stagnation temperature of the outflow, averaged over its mass \[K\]; that of the air where nothing flows.
+    pub outflow_temperature: f64,
     /// Mass of the isentropic jets \[kg\]; close to `mass` if areas and pressures agree with those of the cycle.
     pub jet_mass: f64,
     /// Noise over time.
@@ -84,11 +86,11 @@ pub struct ExhaustNoise {
 
 /// Exhaust noise of one opening: turbulent mixing, broadband shock noise and the monopole of the unsteady outflow.
 ///
-/// Times when the flow is inward, or the pressure at or below ambient, are silent.
+/// The opening is silent while the flow is inward, or the pressure is at or below ambient.
 ///
 /// # Errors
 /// Histories of different lengths or with values that are not finite. An impossible opening, jets that merge, air that
-/// leaves against a higher pressure, a muffler that is not known over the analysed range.
+/// leaves against a higher pressure, or a muffler that does not cover the analysed range.
 pub fn exhaust_noise(
     source: impl Into<String>,
     history: &FlowHistory,
@@ -170,13 +172,13 @@ pub fn exhaust_noise(
         signal.fill(Complex::ZERO);
     }
     if let Some(fitting) = &settings.fitting {
-        fitting.check()?;
+        let fitting = fitting.filled(temperature, air)?;
         for (x, &hz) in signal.iter_mut().zip(&frequency) {
-            *x *= fitting.response(hz, air)?;
+            *x *= fitting.response(hz)?;
         }
     }
-    // The bins reach up to one resolution beyond the range; those outside serve the interpolation only, with the
-    // muffler at the end of the range, since it need not be known beyond.
+    // The bins extend up to one resolution beyond the range. Those outside serve only for interpolation and use the
+    // muffler's value at the end of the range, beyond which it need not be known.
     let [low, high] = settings.transform.range_hz;
     let passed: Option<Vec<f64>> = match &settings.muffler {
         Some(muffler) => Some(
@@ -243,12 +245,13 @@ pub fn exhaust_noise(
             0.0
         },
         mass,
+        outflow_temperature: temperature,
         jet_mass,
         history: over_time,
     })
 }
 
-/// Stagnation temperature of the outflow, averaged over its mass \[K\].
+/// Mass-averaged stagnation temperature of the outflow \[K\].
 fn outflow_temperature(history: &FlowHistory) -> Option<f64> {
     let mass: f64 = history.mass_flow.iter().map(|m| m.max(0.0)).sum();
     let heat: f64 = history

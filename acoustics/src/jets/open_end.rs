@@ -6,14 +6,14 @@ use nalgebra::Complex;
 
 use crate::checks::InputError;
 
-/// Highest k a: the first axisymmetric cross mode of the pipe, the first zero of J_1 above 0.
+/// Highest k a: the first axisymmetric cross mode of the pipe, at the first positive zero of J_1.
 const HIGHEST: f64 = 3.8317;
 
-/// Points of the quadrature over 0 .. k a.
+/// Number of quadrature points over 0 .. k a.
 const POINTS: usize = 48;
 
-/// The unflanged open end of a circular pipe with a thin wall, without mean flow; H. Levine and J. Schwinger, Phys.
-/// Rev. 73, 383 (1948), equations (VI.4) and (VI.5).
+/// The unflanged open end of a circular thin-walled pipe without mean flow; H. Levine and J. Schwinger, Phys. Rev. 73,
+/// 383 (1948), equations (VI.4) and (VI.5).
 ///
 /// ```text
 /// R = -|R| exp(-2 j k l)                        r + j x = (1 + R)/(1 - R)
@@ -22,22 +22,22 @@ const POINTS: usize = 48;
 ///     + (1/pi) int_0^inf ln[1/(2 I_1 K_1)] / (y sqrt(y^2 + (ka)^2)) dy
 /// ```
 ///
-/// At low frequency the end correction l/a evaluates to 0.6127, where the paper prints 0.6133.
+/// At low frequency the end correction l/a evaluates to 0.6127, whereas the paper prints 0.6133.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpenEnd {
     /// Magnitude of the reflection factor.
     pub reflection: f64,
     /// End correction l/a.
     pub end_correction: f64,
-    /// Radiation impedance r + j x over rho0 c0 / S.
+    /// Radiation impedance r + j x, normalised by rho0 c0 / S.
     pub impedance: Complex<f64>,
 }
 
 impl OpenEnd {
-    /// At the product of wavenumber and radius.
+    /// Evaluates the end at `ka`, the product of wavenumber and radius.
     ///
     /// # Errors
-    /// [`InputError::OutsideRange`] unless 0 < `ka` <= 3.8317, where waves begin to run across the pipe.
+    /// [`InputError::OutsideRange`] unless 0 < `ka` <= 3.8317, above which cross modes propagate.
     pub fn new(ka: f64) -> Result<Self, InputError> {
         if !(ka > 0.0 && ka <= HIGHEST) {
             return Err(InputError::OutsideRange {
@@ -66,8 +66,8 @@ impl OpenEnd {
     }
 }
 
-/// sin t with weights of an integral over t in 0 .. pi/2, where y = k a sin t takes the root out of the integrals. The
-/// points crowd at 0, where the logarithm's third derivative grows: t = pi/2 s^3.
+/// Values of sin t with quadrature weights for t in 0 .. pi/2; the substitution y = k a sin t removes the square root
+/// from the integrals. The points are dense near 0, where the third derivative of the logarithm grows: t = pi/2 s^3.
 static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
     let point = |(x, weight): (f64, f64)| {
         let s = 0.5 * (1.0 + x);
@@ -76,10 +76,10 @@ static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
     gauss_legendre(POINTS).into_iter().map(point).collect()
 });
 
-/// y with ln[1/(2 I_1 K_1)] times the step of the trapezoidal rule over ln y, which converges exponentially.
+/// Values of y with ln[1/(2 I_1 K_1)] times the step of the trapezoidal rule in ln y, which converges exponentially.
 static LOGARITHMS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
     const STEP: f64 = 0.25;
-    // Beyond these ends the integrand is below 1e-15 of its maximum for every k a above 1e-4.
+    // Outside this range, the integrand is below 1e-15 of its maximum for every k a above 1e-4.
     (-100..=180)
         .map(|i| {
             let y = (f64::from(i) * STEP).exp();
@@ -88,7 +88,7 @@ static LOGARITHMS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
         .collect()
 });
 
-/// ln(2 I_1(y) K_1(y)): by its series below 1e-3 and above 30 (DLMF 10.31, 10.40), else by the integrals DLMF 10.32.3
+/// ln(2 I_1(y) K_1(y)): by series below 1e-3 and above 30 (DLMF 10.31, 10.40), otherwise by the integrals DLMF 10.32.3
 /// and 10.32.9 with the trapezoidal rule.
 fn ln_twice_product(y: f64) -> f64 {
     const EULER: f64 = 0.577_215_664_901_532_9;

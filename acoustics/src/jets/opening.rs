@@ -4,25 +4,25 @@ use crate::checks::{finite, positive, same_length};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Flow through an opening to the ambient on uniform samples, from the cycle.
+/// Uniformly sampled flow through an opening into the ambient air, from the cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowHistory {
     /// Sample interval \[s\].
     pub sample_interval: f64,
-    /// Mass flow outward \[kg/s\]; negative inward.
+    /// Outward mass flow \[kg/s\]; negative for inflow.
     pub mass_flow: Vec<f64>,
-    /// Absolute stagnation pressure before the opening \[Pa\].
+    /// Absolute stagnation pressure upstream of the opening \[Pa\].
     pub pressure: Vec<f64>,
-    /// Stagnation temperature before the opening \[K\].
+    /// Stagnation temperature upstream of the opening \[K\].
     pub temperature: Vec<f64>,
-    /// Absolute pressure \[Pa\] inside the chamber behind the opening, which the outflow fills; `None` for an opening
-    /// into the air.
+    /// Absolute pressure in the chamber downstream of the opening \[Pa\], which the outflow fills; `None` for an
+    /// opening into the air.
     pub back_pressure: Option<Vec<f64>>,
 }
 
 impl FlowHistory {
-    /// The gas into which the jets of a sample blow: the air, or the outflow that fills a chamber at its stagnation
-    /// temperature, because throttling conserves the enthalpy.
+    /// The gas into which the jets of a sample discharge: the air, or in a chamber the outflow itself at its stagnation
+    /// temperature, because throttling conserves enthalpy.
     pub(super) fn surroundings(&self, sample: usize, air: &Air) -> Air {
         match &self.back_pressure {
             Some(behind) => air.perfect_gas(self.temperature[sample], behind[sample]),
@@ -52,7 +52,7 @@ impl FlowHistory {
     }
 }
 
-/// Round holes through which the air leaves, as independent jets.
+/// Round holes through which air leaves as independent jets.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Opening {
     /// Number of holes n.
@@ -66,8 +66,8 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// The acoustically effective jets: n jets if the holes are more than 3 d apart, and one jet of the same total area
-    /// if they are closer and merge. Holes of unknown pitch are treated as separate.
+    /// The acoustically effective jets: separate jets if the holes are more than 3 d apart, otherwise one merged jet of
+    /// the same total area. Holes of unknown pitch are treated as separate.
     pub fn merged(&self) -> Self {
         match self.pitch {
             Some(pitch) if self.count > 1 && pitch <= 3.0 * self.diameter => Self {
@@ -90,10 +90,10 @@ impl Opening {
         self.discharge_coefficient * self.area()
     }
 
-    /// Fails with [`ExhaustError::HoleArea`] unless the holes add up to `area` \[m²\] within one percent.
+    /// Checks that the total area of the holes agrees with `area` \[m²\] within one percent.
     ///
     /// # Errors
-    /// [`ExhaustError::HoleArea`].
+    /// [`ExhaustError::HoleArea`] if it does not.
     pub fn check_area(&self, area: f64) -> Result<(), ExhaustError> {
         let found = self.area();
         if (found - area).abs() <= 0.01 * area {

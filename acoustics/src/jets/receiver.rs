@@ -9,13 +9,12 @@ use crate::signals::{Contribution, Level, REFERENCE_PRESSURE, Weighting, energy_
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// Position and directions of an outlet.
+/// Position of an outlet and directions of its jets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlet {
     /// Position \[m\].
     pub position: [f64; 3],
-    /// Directions of the jets, of any length, one for each jet or group of jets; all carry the same share of the
-    /// energy.
+    /// Directions of the jets, of any length, one for each jet or group of jets; all have the same share of the energy.
     pub directions: Vec<[f64; 3]>,
 }
 
@@ -24,11 +23,11 @@ pub struct Outlet {
 pub struct Floor {
     /// Its z \[m\].
     pub height: f64,
-    /// Coherence between the jet noise radiated towards the floor and that radiated directly to the receiver, 0 to 1.
+    /// Coherence between the jet noise radiated towards the floor and towards the receiver, 0 to 1.
     ///
-    /// 1 means a point source with one signal in all directions: direct and reflected sound interfere. A value of 0 is
-    /// the sum of the energies, the limit for jet noise at high frequency, which is uncorrelated between directions
-    /// tens of degrees apart. The unsteady outflow is always a point source.
+    /// 1 represents a point source that emits the same signal in all directions, so that direct and reflected sound
+    /// interfere. With 0, energies are added: the limit for jet noise at high frequency, which is uncorrelated between
+    /// directions tens of degrees apart. The unsteady outflow is always treated as a point source.
     pub coherence: f64,
 }
 
@@ -44,28 +43,29 @@ pub struct ReceivedNoise {
 }
 
 impl ReceivedNoise {
-    /// Sound exposure between the two frequencies \[Pa² s\], weighted under the integral.
+    /// Sound exposure between two frequencies \[Pa² s\], with the weighting applied under the integral.
     pub fn exposure(&self, range_hz: [f64; 2], weighting: Weighting) -> f64 {
         let weights = energy_weights(&self.frequency, range_hz, weighting);
         weights.iter().zip(&self.exposure_density).map(|(w, e)| w * e).sum()
     }
 
-    /// Sound exposure level L_E between the two frequencies \[dB re (20 uPa)² s\].
+    /// Sound exposure level L_E between two frequencies \[dB re (20 uPa)² s\].
     pub fn level(&self, range_hz: [f64; 2], weighting: Weighting) -> Level {
         let exposure = self.exposure(range_hz, weighting);
         (exposure > 0.0).then(|| 10.0 * (exposure / REFERENCE_PRESSURE.powi(2)).log10())
     }
 }
 
-/// lg(U_j/c0) of the first directivity in the table, the step to the next, and their number: the range of the table.
+/// lg(U_j/c0) of the first tabulated directivity, the step, and the number of values, which cover the range of the
+/// table.
 const FIRST: f64 = -0.4;
 const STEP: f64 = 0.01;
 const SPEEDS: usize = 81;
 
-/// Path of the sound from the outlet to the receiver, directly or by the floor.
+/// Path of the sound from the outlet to the receiver, directly or via the floor.
 struct Path {
     length: f64,
-    /// D at [`SPEEDS`] jet speeds, the mean over the jets.
+    /// D at [`SPEEDS`] jet speeds, averaged over the jets.
     directivities: Vec<f64>,
 }
 
@@ -92,20 +92,21 @@ impl Path {
 }
 
 impl ExhaustNoise {
-    /// The noise at a point in free space, or above a floor.
+    /// Noise at a point in free space or above a floor.
     ///
     /// ```text
     /// E_p = rho0 c0/(4 pi) sum_bursts E_W [ D/r^2 + D'/r'^2 + 2 gamma sqrt(D D')/(r r') cos k(r' - r) ]      jets
     /// E_p = rho0 c0/(4 pi) E_W | e^{-jkr}/r + e^{-jkr'}/r' |^2                                       unsteady flow
     /// ```
     ///
-    /// The primed path leads to the image of the receiver in the floor and leaves the outlet in another direction;
-    /// gamma is [`Floor::coherence`]. D is [`MixingDirectivity`] at the jet speed of each burst for mixing noise, and 1
-    /// for shock noise, which is omnidirectional in NASA TM-83199. The spectrum of a burst is the same in all
-    /// directions. Shading and reflection by bodies are neglected.
+    /// The primed path leads to the image of the receiver in the floor, and leaves the outlet in a different direction;
+    /// gamma is [`Floor::coherence`]. For mixing noise, D is [`MixingDirectivity`] at the jet speed of each burst; for
+    /// shock noise it is 1, because NASA TM-83199 treats shock noise as omnidirectional. The spectrum of a burst is the
+    /// same in all directions. Shielding and reflection by bodies are neglected.
     ///
     /// # Errors
-    /// A receiver at the outlet, an outlet without direction, a floor not below both, a coherence outside 0 .. 1.
+    /// If the receiver is at the outlet, a jet has no direction, the floor is not below both, or the coherence is
+    /// outside 0 .. 1.
     pub fn at(
         &self,
         outlet: &Outlet,
@@ -213,7 +214,7 @@ impl Paths {
     }
 }
 
-/// The noise of jets at a receiver, at some frequencies.
+/// Noise of jets at a receiver at several frequencies.
 pub(super) struct Jets<'a> {
     paths: &'a Paths,
     mixing: Spreading,
@@ -223,7 +224,7 @@ pub(super) struct Jets<'a> {
 }
 
 impl Jets<'_> {
-    /// Energy densities of mixing and shock noise over r² at the receiver, before a muffler.
+    /// Energy densities of mixing and shock noise divided by r² at the receiver, upstream of a muffler.
     pub(super) fn densities(&self, mixing: &[Burst], shocks: &[Burst]) -> [Vec<f64>; 2] {
         [
             self.density(mixing, |path, i| path.directivities[i], &self.mixing),
@@ -231,7 +232,7 @@ impl Jets<'_> {
         ]
     }
 
-    /// Energy density of the bursts over r² at the receiver, by the directivity of a path at [`SPEEDS`] jet speeds.
+    /// Energy density of the bursts divided by r² at the receiver, with a path's directivity at [`SPEEDS`] jet speeds.
     fn density(&self, bursts: &[Burst], directivity: impl Fn(&Path, usize) -> f64, shape: &Spreading) -> Vec<f64> {
         let (direct, reflected) = (&self.paths.direct, &self.paths.reflected);
         let alone = |path: &Path, i: usize| directivity(path, i) / path.length.powi(2);
@@ -269,7 +270,8 @@ impl Floor {
     }
 }
 
-/// Spectrum of the bursts, each multiplied by the gain at its jet speed, interpolated between [`SPEEDS`] values.
+/// Spectrum of the bursts, each multiplied by the gain at its jet speed, which is interpolated between [`SPEEDS`]
+/// values.
 fn spread(bursts: &[Burst], gain: impl Fn(usize) -> f64, shape: &Spreading) -> Vec<f64> {
     let gains: Vec<f64> = (0..SPEEDS).map(gain).collect();
     let mut histogram = PeakHistogram::new();

@@ -2,13 +2,13 @@ use super::jet::Jet;
 use super::opening::{FlowHistory, Opening};
 use crate::air::Air;
 
-/// Screech frequency of an underexpanded jet \[Hz\]; `None` below Mach 1. No level follows from it.
+/// Screech frequency of an underexpanded jet \[Hz\]; `None` below Mach 1. The source gives no level.
 ///
 /// ```text
 /// f D_j/U_j = 0.67 beta^-1 [1 + 0.7 M_j (1 + (g-1)/2 M_j^2)^-1/2 (T_a/T_0)^-1/2]^-1
 /// ```
 ///
-/// C. K. W. Tam, Annu. Rev. Fluid Mech. 27, 17 (1995). `diameter` is that of one hole \[m\], `temperature` the
+/// C. K. W. Tam, Annu. Rev. Fluid Mech. 27, 17 (1995). `diameter` is that of a single hole \[m\], `temperature` the
 /// stagnation temperature T_0 \[K\].
 pub fn screech_frequency(jet: &Jet, diameter: f64, temperature: f64, air: &Air) -> Option<f64> {
     let beta2 = jet.beta_squared();
@@ -19,7 +19,7 @@ pub fn screech_frequency(jet: &Jet, diameter: f64, temperature: f64, air: &Air) 
     })
 }
 
-/// Screech frequency \[Hz\] at every sample; `None` where the flow is subsonic or inward.
+/// Screech frequency \[Hz\] for each sample; `None` while the flow is subsonic or inward.
 pub fn screech_track(history: &FlowHistory, opening: &Opening, air: &Air) -> Vec<Option<f64>> {
     let at = |(sample, ((&flow, &pressure), &temperature)): (usize, ((&f64, &f64), &f64))| {
         let air = history.surroundings(sample, air);

@@ -1,7 +1,7 @@
 use super::jet::Jet;
 use crate::air::Air;
 
-/// First lg sigma of the table and its step of one third octave.
+/// First lg sigma of the table, and its step of a third octave.
 const START: f64 = -0.8;
 const STEP: f64 = 0.1;
 
@@ -12,16 +12,16 @@ const LG_H: [f64; 34] = [
     -2.78, -2.9,
 ];
 
-/// Slopes d lg H / d lg sigma beyond the ends.
+/// Slopes d lg H / d lg sigma beyond the ends of the table.
 const SLOPES: (f64, f64) = (3.8, -1.2);
 
-/// Offset of lg H for jets with T_t/T_a < 1.1, which is always true of a tool's exhaust.
+/// Offset of lg H for jets with T_t/T_a < 1.1, which includes the exhaust of any tool.
 const COLD_JET: f64 = -0.2;
 
 /// lg sigma where H peaks.
 const PEAK: f64 = 0.7;
 
-/// lg H of the one-third octave around sigma.
+/// lg H of the one-third octave centred at sigma.
 fn lg_h(lg_sigma: f64) -> f64 {
     let x = (lg_sigma - START) / STEP;
     let last = (LG_H.len() - 1) as f64;
@@ -33,12 +33,12 @@ fn lg_h(lg_sigma: f64) -> f64 {
     COLD_JET + beyond + super::mixing::interpolate(&LG_H, x)
 }
 
-/// H per natural logarithm of frequency at f/f_peak: H itself is for a third octave, 0.1 in lg f.
+/// H per natural logarithm of frequency at f/f_peak; H itself refers to a third octave, 0.1 in lg f.
 pub(super) fn shape(ratio: f64) -> f64 {
     10f64.powf(lg_h(PEAK + ratio.log10())) / (STEP * std::f64::consts::LN_10)
 }
 
-/// The integral of [`shape`] over all ln f: the broken line of lg H integrates piece by piece in closed form.
+/// The integral of [`shape`] over ln f; lg H is piecewise linear, so each piece integrates in closed form.
 pub(super) fn total() -> f64 {
     let ln10 = std::f64::consts::LN_10;
     let density = |lg: f64| 10f64.powf(COLD_JET + lg) / (STEP * ln10);
@@ -62,13 +62,13 @@ pub(super) fn total() -> f64 {
 /// ```
 ///
 /// NASA TM-83199, sec. 8.5, after Harper-Bourne and Fisher (1974), with the cell interference factor taken as 1.
-/// `jet_area` is A_j of all jets \[m²\]. The tabulated H is used as a density over frequency, its integral as
-/// the sum.
+/// `jet_area` is A_j of all jets \[m²\]. The tabulated H is interpreted as a density over frequency, with its integral
+/// as the sum.
 pub fn shock_power(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
     factor(jet, jet_area, air) * total()
 }
 
-/// [`shock_power`] without sum(H).
+/// [`shock_power`] without the factor sum(H).
 pub(super) fn factor(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
     let beta2 = jet.beta_squared();
     if beta2 <= 0.0 {
@@ -84,7 +84,7 @@ pub(super) fn factor(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
 /// sigma = 7.80 beta sqrt(A_j1) f / c0 = 10^0.7
 /// ```
 ///
-/// `one_jet_area` is A_j1 of one jet \[m²\].
+/// `one_jet_area` is the area A_j1 of a single jet \[m²\].
 pub fn shock_peak_frequency(jet: &Jet, one_jet_area: f64, air: &Air) -> Option<f64> {
     let beta2 = jet.beta_squared();
     (beta2 > 0.0).then(|| 10f64.powf(PEAK) * air.sound_speed / (7.80 * (beta2 * one_jet_area).sqrt()))

@@ -1,6 +1,6 @@
 use std::sync::LazyLock;
 
-/// Similarity spectrum of the fine-scale turbulence of a jet, per hertz, in decibels below its peak.
+/// Similarity spectrum of fine-scale jet turbulence, per hertz, in decibels below its peak.
 ///
 /// C. K. W. Tam, M. Golebiowski & J. M. Seiner, AIAA 96-1716 (1996), with x = f/f_peak, l = lg x, m = lg(20 x/3) and
 /// n = lg(x/10):
@@ -37,7 +37,7 @@ pub(super) fn shape(x: f64) -> f64 {
     x * 10f64.powf(0.1 * fine_scale_shape(x))
 }
 
-/// Integral of [`shape`] over all ln x: power-law tails in closed form, the trapezoidal rule in lg x between them.
+/// Integral of [`shape`] over ln x: closed forms for the power-law tails, the trapezoidal rule in lg x between them.
 pub(super) fn total() -> f64 {
     static TOTAL: LazyLock<f64> = LazyLock::new(integral);
     *TOTAL
@@ -46,12 +46,12 @@ pub(super) fn total() -> f64 {
 fn integral() -> f64 {
     const LN10: f64 = std::f64::consts::LN_10;
     let tails = shape(0.05) / (1.0 + 1.491126) + shape(30.0) / (3.816739 - 1.0);
-    // The joints of the pieces, so that the rule sees smooth functions only.
+    // Joints of the pieces, between which the function is smooth.
     let joints: [f64; 5] = [0.05, 0.15, 1.0, 10.0, 30.0];
     let piece = |pair: &[f64]| {
         let (a, b, n) = (pair[0].log10(), pair[1].log10(), 256);
         let h = (b - a) / f64::from(n);
-        // The joints belong to the piece on their left; the jump of a joint is below 1e-3 dB.
+        // Each joint belongs to the piece on its left; the function jumps there by less than 1e-3 dB.
         let inner: f64 = (1..n).map(|i| shape(10f64.powf(a + h * f64::from(i)))).sum();
         h * LN10 * (inner + 0.5 * (shape(pair[0]) + shape(pair[1])))
     };

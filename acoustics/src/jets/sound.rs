@@ -1,4 +1,4 @@
-//! Realisation of the noise of an opening as a signal.
+//! Realises the noise of an opening as a signal.
 
 use super::history::Burst;
 use super::noise::ExhaustNoise;
@@ -17,24 +17,24 @@ const FRAME: f64 = 5e-3;
 /// Sampling and seed of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recording {
-    /// Samples a second.
+    /// Sampling rate \[1/s\].
     pub rate: f64,
-    /// Number of samples, from t = 0 of the flow's history on.
+    /// Number of samples, starting at t = 0 of the flow's history.
     pub samples: usize,
-    /// The same seed draws the same noise.
+    /// Seed of the noise; the same seed yields the same noise.
     pub seed: u64,
 }
 
 impl ExhaustNoise {
-    /// Pressure at a point over time \[Pa\]: one realisation of the noise whose expected exposure is
+    /// Pressure at a point over time \[Pa\]: one realisation of the noise, whose expected exposure is
     /// [`ExhaustNoise::at`].
     ///
     /// Jet noise is random: frames of 5 ms with 50 % overlap contain sines with the amplitudes of their bursts and
-    /// random phases, windowed so that the powers of neighbours add to one. Frequencies below half the resolution of a
-    /// frame, about 100 Hz, contain only the unsteady outflow, which is a deterministic signal.
+    /// random phases, windowed so that the powers of overlapping frames add to one. Frequencies below half the
+    /// resolution of a frame, about 100 Hz, contain only the unsteady outflow, which is a deterministic signal.
     ///
     /// # Errors
-    /// Those of [`ExhaustNoise::at`], and a sampling rate that is not positive.
+    /// Those of [`ExhaustNoise::at`], or if the sampling rate is not positive.
     pub fn sound_at(
         &self,
         outlet: &Outlet,
@@ -73,12 +73,12 @@ impl ExhaustNoise {
         let inverse = FftPlanner::new().plan_fft_inverse(length);
         let dt = self.history.sample_interval;
         let delay = (paths.direct_length() / air.sound_speed * rate).round() as usize;
-        // Frame i contains the flow's samples from (i - 1) hop to (i + 1) hop.
+        // Frame i contains the flow samples from (i - 1) hop to (i + 1) hop.
         for frame in 0..=signal.len() / hop {
             let start = (frame as f64 - 1.0) * hop as f64;
             let place = |burst: &Burst| (burst.sample as f64 + 0.5) * dt * rate - start;
             let within = |bursts: &[Burst]| -> Vec<Burst> {
-                // In the order of their samples.
+                // Bursts are in the order of their samples.
                 let first = bursts.partition_point(|burst| place(burst) <= 0.0);
                 let windowed = |burst: &Burst| Burst {
                     energy: burst.energy * (PI * place(burst) / length as f64).sin().powi(2),
@@ -96,7 +96,7 @@ impl ExhaustNoise {
             let mut spectrum = vec![Complex::default(); length];
             for (i, &k) in bins.iter().enumerate() {
                 let exposure = air.impedance() / (4.0 * PI) * passed[i] * (mixing[i] + shock[i]);
-                // The window lets half a frame's power through; a sine of amplitude a has the power a²/2.
+                // The window transmits half of a frame's power; a sine of amplitude a has the power a²/2.
                 let power = exposure * df / (0.5 * length as f64 / rate);
                 spectrum[k] = Complex::from_polar((2.0 * power).sqrt(), phase(seed, frame, k));
             }

@@ -5,12 +5,12 @@ use crate::checks::positive;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
-/// Inlet pressure over the recovered pressure of the jet beyond which the acoustical efficiency is constant.
+/// Ratio of inlet pressure to the jet's recovered pressure above which the acoustical efficiency is constant.
 const CONSTANT_EFFICIENCY: f64 = 22.0;
 
-/// Efficiency A_eta of a valve and Strouhal number St_p of its peak, with its pressure recovery.
+/// Efficiency exponent A_eta and peak Strouhal number St_p of a valve, with its pressure recovery.
 ///
-/// IEC 60534-8-3:2010, table 4, lists A_eta and St_p as typical of each type of valve.
+/// IEC 60534-8-3:2010, table 4, lists typical A_eta and St_p for each type of valve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ValveNoise {
     /// Exponent A_eta of the acoustical efficiency factor 10^A_eta; it includes the share that enters the pipe.
@@ -25,7 +25,7 @@ impl ValveNoise {
     /// The edition that the formulas follow.
     pub const STANDARD: &str = "IEC 60534-8-3:2010";
 
-    /// A plate with drilled holes (A_eta -4.8, St_p 0.2) that discharges without recovery, as an exhaust does.
+    /// A plate with drilled holes (A_eta -4.8, St_p 0.2) that discharges without recovery, like an exhaust.
     pub const DRILLED_PLATE: Self = Self {
         efficiency_exponent: -4.8,
         peak_strouhal: 0.2,
@@ -38,22 +38,22 @@ impl ValveNoise {
 pub struct ValveFlow {
     /// Mass flow \[kg/s\].
     pub mass_flow: f64,
-    /// Absolute pressure before the valve \[Pa\].
+    /// Absolute pressure upstream of the valve \[Pa\].
     pub inlet_pressure: f64,
-    /// Absolute pressure behind the valve \[Pa\].
+    /// Absolute pressure downstream of the valve \[Pa\].
     pub outlet_pressure: f64,
-    /// Density before the valve \[kg/m³\].
+    /// Density upstream of the valve \[kg/m³\].
     pub inlet_density: f64,
     /// Ratio of the specific heats.
     pub heat_ratio: f64,
 }
 
-/// The five regimes of flow, by rising pressure difference.
+/// The five flow regimes, in the order of increasing pressure difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum FlowRegime {
     /// I: subsonic.
     Subsonic,
-    /// II: sonic in the vena contracta, with recompression behind it.
+    /// II: sonic in the vena contracta, with downstream recompression.
     Recompressed,
     /// III: no recompression; turbulent shear flow prevails.
     Choked,
@@ -68,13 +68,13 @@ pub enum FlowRegime {
 pub struct ValveSound {
     /// Regime of the flow.
     pub regime: FlowRegime,
-    /// Mach number of the vena contracta in regime I, else of the freely expanded jet.
+    /// Mach number of the vena contracta in regime I, otherwise of the freely expanded jet.
     pub mach: f64,
     /// Stream power W_m \[W\].
     pub stream_power: f64,
     /// Acoustical efficiency eta.
     pub efficiency: f64,
-    /// Peak frequency times the diameter D_j of the jet, f_p D_j \[m/s\].
+    /// Product of the peak frequency and the jet diameter, f_p D_j \[m/s\].
     pub peak_speed: f64,
 }
 
@@ -101,7 +101,7 @@ impl ValveNoise {
     /// ```
     ///
     /// # Errors
-    /// A mass flow, pressure or density that is not positive, or a heat ratio that is not above 1. `None` unless the
+    /// If a mass flow, pressure or density is not positive, or the heat ratio is not above 1. `None` unless the
     /// pressure falls in the direction of the flow.
     pub fn sound(&self, flow: &ValveFlow) -> Result<Option<ValveSound>, ExhaustError> {
         positive("mass flow through the valve [kg/s]", flow.mass_flow)?;
@@ -112,7 +112,7 @@ impl ValveNoise {
         Ok((flow.outlet_pressure < flow.inlet_pressure).then(|| self.of(flow)))
     }
 
-    /// The same for a flow from a higher to a lower pressure.
+    /// Same as `sound` for a flow from a higher to a lower pressure.
     fn of(&self, flow: &ValveFlow) -> ValveSound {
         let (g, f2) = (flow.heat_ratio, self.recovery * self.recovery);
         let x = 1.0 - flow.outlet_pressure / flow.inlet_pressure;
@@ -156,9 +156,9 @@ impl ValveNoise {
         }
     }
 
-    /// Sound energy \[J\] of the outflow of a record: another estimate of the jet noise. Inward flow is silent.
+    /// Sound energy of the outflow of a record \[J\], as a second estimate of the jet noise. Inflow is silent.
     ///
-    /// The standard describes valves in pipes; for holes in free air its efficiency is an extrapolation.
+    /// The standard describes valves in pipes; its efficiency for holes in free air is an extrapolation.
     pub fn energy(&self, history: &FlowHistory, air: &Air) -> f64 {
         let power = |sample: usize| {
             let (mass_flow, pressure) = (history.mass_flow[sample], history.pressure[sample]);

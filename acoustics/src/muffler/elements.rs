@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// First zero of J_1': the first mode across a round pipe cuts on at k d / 2 = 1.8412.
+/// First zero of J_1': the first cross mode of a round pipe cuts on at k d / 2 = 1.8412.
 const CROSS_MODE: f64 = 1.841_183_781_340_659;
 
 /// One element of a muffler: a round pipe or chamber, empty or lined.
@@ -14,13 +14,13 @@ const CROSS_MODE: f64 = 1.841_183_781_340_659;
 pub struct MufflerElement {
     /// Length \[m\].
     pub length: f64,
-    /// Inner diameter, free of the lining \[m\].
+    /// Inner diameter inside the lining \[m\].
     pub diameter: f64,
-    /// Porous lining of the whole wall.
+    /// Porous lining of the entire wall.
     pub lining: Option<Lining>,
 }
 
-/// A porous layer on a rigid wall that reacts locally.
+/// A locally reacting porous layer on a rigid wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lining {
     /// Thickness \[m\].
@@ -36,8 +36,8 @@ pub struct Lining {
 /// k / (omega/c0) = 1 + 0.109 x^{-0.618} - j 0.160 x^{-0.618}
 /// ```
 ///
-/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), after Delany & Bazley (1970); fitted for 0.01 < x < 1, causal
-/// below.
+/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), after Delany & Bazley (1970); fitted for 0.01 < x < 1, causal below
+/// that range.
 pub fn miki_fluid(hz: f64, resistivity: f64, air: &Air) -> (Complex<f64>, Complex<f64>) {
     let x = hz / resistivity;
     let (z, k) = (x.powf(-0.632), x.powf(-0.618));
@@ -49,10 +49,10 @@ pub fn miki_fluid(hz: f64, resistivity: f64, air: &Air) -> (Complex<f64>, Comple
 }
 
 impl Lining {
-    /// Normalised admittance of the layer before a rigid wall, beta = j tan(k t) rho0 c0 / Z.
+    /// Normalised admittance of the layer in front of a rigid wall, beta = j tan(k t) rho0 c0 / Z.
     ///
     /// # Errors
-    /// A frequency above that of the fit, f/sigma = 1.
+    /// If the frequency is above the range of the fit, f/sigma = 1.
     pub fn admittance(&self, hz: f64, air: &Air) -> Result<Complex<f64>, MufflerError> {
         positive("thickness of the lining [m]", self.thickness)?;
         positive("flow resistivity of the lining [Pa s/m2]", self.resistivity)?;
@@ -88,11 +88,12 @@ impl MufflerElement {
     /// k_z = sqrt(k^2 - j k beta P/S)      Z = rho0 c0 k / (S k_z)
     /// ```
     ///
-    /// P/S = 4/d is perimeter over area. The fundamental wave of the lined pipe is taken as plane and its wall as flat.
-    /// This is valid if the lining is thin compared with the pipe and |beta| k d < 1.
+    /// P/S = 4/d is perimeter over area. The fundamental mode of the lined pipe is approximated as a plane wave, and
+    /// the wall as flat. This is valid if the lining is thin compared with the pipe and |beta| k d < 1.
     ///
     /// # Errors
-    /// [`MufflerError::NotPlaneWaves`] above [`Self::highest_hz`]; impossible dimensions; a lining outside its fit.
+    /// [`MufflerError::NotPlaneWaves`] above [`Self::highest_hz`]; also for impossible dimensions or a lining outside
+    /// the range of its fit.
     pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, MufflerError> {
         positive("length of a muffler's element [m]", self.length)?;
         positive("diameter of a muffler's element [m]", self.diameter)?;
@@ -111,7 +112,7 @@ impl MufflerElement {
             Some(lining) => lining.admittance(hz, air)?,
             None => Complex::ZERO,
         };
-        // The principal root decays outwards: its imaginary part is negative for a wall that absorbs.
+        // The principal root decays along the pipe: its imaginary part is negative for an absorbing wall.
         let along = (Complex::from(k * k) - Complex::<f64>::i() * k * beta * (4.0 / self.diameter)).sqrt();
         Ok(FourPole::pipe(
             along,

@@ -1,13 +1,13 @@
 use crate::checks::InputError;
 use thiserror::Error;
 
-/// Why the insertion loss of a muffler is not known.
+/// Why the insertion loss of a muffler cannot be determined.
 #[derive(Debug, Error)]
 pub enum MufflerError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A muffler was asked for a frequency at which waves across it propagate.
+    /// Cross modes propagate in the muffler at the given frequency.
     #[error(
         "a muffler element of {diameter} m carries plane waves alone up to {highest:.0} Hz only, not at {hz:.0} Hz; \
          analyse a lower range, or give the muffler's insertion loss by bands"
@@ -20,7 +20,7 @@ pub enum MufflerError {
         /// Cut-on frequency of its first cross mode \[Hz\].
         highest: f64,
     },
-    /// A muffler's insertion loss is not given for a frequency.
+    /// The muffler's insertion loss is not specified at a frequency.
     #[error(
         "the muffler's insertion loss has no value at {hz} Hz: give neighbouring one-third-octave bands in rising \
          order \

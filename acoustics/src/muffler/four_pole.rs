@@ -1,7 +1,7 @@
 use nalgebra::Complex;
 use std::ops::Mul;
 
-/// Sound pressure and volume flow at the inlet of an element from those at its outlet.
+/// Relates sound pressure and volume flow at the inlet of an element to those at its outlet.
 ///
 /// ```text
 /// [p1]   [A B] [p2]
@@ -13,16 +13,17 @@ use std::ops::Mul;
 pub struct FourPole {
     /// p1/p2 with the outlet closed.
     pub a: Complex<f64>,
-    /// p1/U2 with no pressure at the outlet \[Pa s/m³\].
+    /// p1/U2 with zero pressure at the outlet \[Pa s/m³\].
     pub b: Complex<f64>,
     /// U1/p2 with the outlet closed \[m³/(Pa s)\].
     pub c: Complex<f64>,
-    /// U1/U2 with no pressure at the outlet.
+    /// U1/U2 with zero pressure at the outlet.
     pub d: Complex<f64>,
 }
 
 impl FourPole {
-    /// Nothing between inlet and outlet; also a sudden change of area, where pressure and flow are continuous.
+    /// No element between inlet and outlet; also a sudden change of area, across which pressure and flow are
+    /// continuous.
     pub const IDENTITY: Self = Self {
         a: Complex::ONE,
         b: Complex::ZERO,
@@ -30,7 +31,7 @@ impl FourPole {
         d: Complex::ONE,
     };
 
-    /// A pipe of length `length` \[m\] with the wavenumber k \[1/m\] and the characteristic impedance Z \[Pa s/m³\].
+    /// A pipe of length `length` \[m\], with wavenumber k \[1/m\] and characteristic impedance Z \[Pa s/m³\].
     ///
     /// ```text
     /// A = D = cos k l      B = j Z sin k l      C = j sin(k l) / Z
@@ -60,7 +61,7 @@ impl FourPole {
         10.0 * (0.25 * sum.norm_sqr() * outlet / inlet).log10()
     }
 
-    /// Level difference of the volume flows at inlet and outlet with the load Z \[Pa s/m³\]: 20 lg |C Z + D|.
+    /// Level difference between the volume flows at inlet and outlet for a load Z \[Pa s/m³\]: 20 lg |C Z + D|.
     pub fn flow_loss(&self, load: Complex<f64>) -> f64 {
         10.0 * (self.c * load + self.d).norm_sqr().log10()
     }

@@ -1,8 +1,8 @@
-//! Mufflers: insertion loss as measured, or computed from chambers and lined pipes by transfer matrices.
+//! Mufflers: measured insertion loss, or that computed from chambers and lined pipes by transfer matrices.
 //!
-//! Plane waves only, in air at rest in the ambient state; sound convection by the flow is neglected. The flow
-//! resistance of the muffler raises the pressure before it and slows the cycle, which models it as a restriction behind
-//! the holes; that pressure is [`FlowHistory::back_pressure`](crate::jets::FlowHistory::back_pressure).
+//! Only plane waves in air at rest in the ambient state are included; convection of sound by the flow is neglected. The
+//! flow resistance of the muffler raises the upstream pressure and slows the cycle, which models it as a restriction
+//! downstream of the holes; that pressure is [`FlowHistory::back_pressure`](crate::jets::FlowHistory::back_pressure).
 
 mod elements;
 pub(crate) mod error;
@@ -22,13 +22,13 @@ use std::f64::consts::PI;
 /// Muffler between the exhaust holes and the air.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Muffler {
-    /// Insertion loss as measured.
+    /// Measured insertion loss.
     InsertionLoss(BandLosses),
     /// Chambers and pipes.
     Chain(MufflerChain),
 }
 
-/// Insertion loss of neighbouring one-third-octave bands.
+/// Insertion loss in adjacent one-third-octave bands.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BandLosses {
     first: i32,
@@ -36,10 +36,12 @@ pub struct BandLosses {
 }
 
 impl BandLosses {
-    /// From pairs of nominal mid-band frequency \[Hz\] and insertion loss \[dB\], in rising order without a gap.
+    /// Creates the losses from pairs of nominal mid-band frequency \[Hz\] and insertion loss \[dB\], in ascending order
+    /// without gaps.
     ///
     /// # Errors
-    /// [`MufflerError::Bands`] for no bands, a gap or a wrong order; values that are not finite.
+    /// [`MufflerError::Bands`] if there are no bands, or if they have gaps or are not in order; also for values that
+    /// are not finite.
     pub fn new(bands: &[(f64, f64)]) -> Result<Self, MufflerError> {
         let decibels: Vec<f64> = bands.iter().map(|band| band.1).collect();
         finite("insertion loss", &decibels)?;
@@ -61,7 +63,7 @@ impl BandLosses {
     /// Insertion loss of the band that contains the frequency `hz` \[dB\].
     ///
     /// # Errors
-    /// [`MufflerError::Bands`] outside the bands given.
+    /// [`MufflerError::Bands`] outside the given bands.
     pub fn decibels(&self, hz: f64) -> Result<f64, MufflerError> {
         let i = band_containing(hz).index - self.first;
         let value = usize::try_from(i).ok().and_then(|i| self.decibels.get(i));
@@ -75,14 +77,14 @@ impl BandLosses {
     }
 }
 
-/// Elements in a row, from the exhaust holes to the outlet.
+/// Elements in series, from the exhaust holes to the outlet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MufflerChain {
     /// The elements.
     pub elements: Vec<MufflerElement>,
     /// Diameter of the outlet \[m\].
     pub outlet_diameter: f64,
-    /// Mach number M of the outflow, whose jet damps the resonances of the muffler.
+    /// Mach number M of the outflow; its jet damps the resonances of the muffler.
     pub outlet_mach: f64,
 }
 
@@ -90,7 +92,8 @@ impl MufflerChain {
     /// Product of the elements' four-poles.
     ///
     /// # Errors
-    /// [`MufflerError::NotPlaneWaves`] above the first cross mode of the widest element; impossible dimensions.
+    /// [`MufflerError::NotPlaneWaves`] above the first cross mode of the widest element; also for impossible
+    /// dimensions.
     pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, MufflerError> {
         let mut product = FourPole::IDENTITY;
         for element in &self.elements {
@@ -99,7 +102,7 @@ impl MufflerChain {
         Ok(product)
     }
 
-    /// Transmission loss between anechoic pipes of the two diameters \[dB\]; positive when less gets through.
+    /// Transmission loss between anechoic pipes of the two diameters \[dB\]; positive if less sound is transmitted.
     ///
     /// # Errors
     /// See [`Self::four_pole`].
@@ -110,15 +113,15 @@ impl MufflerChain {
     }
 
     /// Insertion loss \[dB\] for a source whose volume flow does not depend on the muffler, such as choked holes that
-    /// otherwise radiate into the open: 20 lg |U_source / U_outlet|. Negative where the muffler resonates.
+    /// would otherwise radiate into the open: 20 lg |U_source / U_outlet|. It is negative at resonances of the muffler.
     ///
-    /// The outlet radiates into free space, and its jet absorbs sound energy.
+    /// The outlet radiates into free space, and its jet absorbs sound energy:
     ///
     /// ```text
     /// Z = Z_open end + M rho0 c0 / S
     /// ```
     ///
-    /// This is Bernoulli's law p = rho U^2/2 for small changes of a quasi-steady jet, dp/dU = rho U.
+    /// The second term is Bernoulli's law p = rho U^2/2 for small changes of a quasi-steady jet, dp/dU = rho U.
     ///
     /// # Errors
     /// See [`Self::four_pole`].
@@ -129,7 +132,7 @@ impl MufflerChain {
     }
 }
 
-/// Radiation impedance of an unflanged pipe end \[Pa s/m³\] at low frequency.
+/// Low-frequency radiation impedance of an unflanged pipe end \[Pa s/m³\].
 ///
 /// ```text
 /// Z = rho0 c0 / S [(k a)^2 / 4 + j 0.6133 k a]
@@ -146,7 +149,7 @@ impl Muffler {
     /// The factor 10^{-IL/10} on energy at the frequency `hz`.
     ///
     /// # Errors
-    /// A frequency outside the bands, or above the plane-wave range.
+    /// If the frequency is outside the bands or above the plane-wave range.
     pub fn energy_factor(&self, hz: f64, air: &Air) -> Result<f64, MufflerError> {
         let loss = match self {
             Self::InsertionLoss(losses) => losses.decibels(hz)?,

@@ -12,17 +12,17 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Bins evaluated together.
+/// Number of bins evaluated together.
 const CHUNK: usize = 64;
 
-/// Real resistances of every patch at a few rising frequencies, each averaged over a band around its frequency. They
-/// are linear in the logarithm of frequency between them, constant below the first and above the last.
+/// Real resistances of every patch at a few ascending frequencies, each averaged over a band around its frequency.
+/// Between these nodes they are linear in the logarithm of frequency; outside they are constant.
 ///
 /// ```text
 /// R(f) = sum_n h_n(ln f) R_n        h_n >= 0, sum_n h_n = 1
 /// ```
 ///
-/// R thus stays positive semidefinite, and at most two nodes contribute at a frequency.
+/// R thus remains positive semidefinite, and at most two nodes contribute at any frequency.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct AveragedResistance {
     hz: Vec<f64>,
@@ -32,16 +32,16 @@ pub(crate) struct AveragedResistance {
     roots: Vec<PackedHermitian>,
 }
 
-/// Bins between the same nodes.
+/// Consecutive bins between the same nodes.
 struct Run {
     bins: Range<usize>,
     nodes: Range<usize>,
-    /// Weight of each node at every bin times the share over omega².
+    /// Weight of each node at every bin, times the bin's share divided by omega².
     factors: Vec<Vec<f64>>,
 }
 
 impl AveragedResistance {
-    /// From nodes that rise; at least one.
+    /// Creates the resistance from at least one node, in ascending order.
     pub(crate) fn new(nodes: Vec<(f64, Vec<Resistance>)>) -> Self {
         let (hz, patches): (Vec<f64>, Vec<Vec<Resistance>>) = nodes.into_iter().unzip();
         let modes = |node: &[Resistance]| node.first().map_or(0, |r| r.real.nrows());
@@ -49,7 +49,7 @@ impl AveragedResistance {
             .iter()
             .map(|node| PackedHermitian::new(modes(node), node.iter()))
             .collect();
-        // From the stored precision, so that a result does not depend on whether it was stored.
+        // Computed from the stored precision, so that results do not depend on whether they were stored.
         let roots = patches
             .par_iter()
             .map(|node| PackedHermitian::new(node.modes(), std::iter::once(&hermitian_root(&node.sum(1.0)))))
@@ -57,7 +57,7 @@ impl AveragedResistance {
         Self { hz, patches, roots }
     }
 
-    /// With the first `count` patches as one.
+    /// Combines the first `count` patches into one.
     #[must_use]
     pub(crate) fn with_sum_of_patches(&self, count: usize) -> Self {
         Self {
@@ -88,7 +88,7 @@ impl AveragedResistance {
         above.saturating_sub(1)..self.hz.len().min(above + 1)
     }
 
-    /// R of the whole surface.
+    /// R of the complete surface.
     pub(crate) fn resistance(&self, hz: f64) -> Resistance {
         let mut whole = Resistance::zeros(self.modes());
         for (node, weight) in self.weights(hz) {
@@ -97,13 +97,13 @@ impl AveragedResistance {
         whole
     }
 
-    /// v^T R v of the whole surface for a sparse real motion v, given by its nonzero entries.
+    /// v^T R v of the complete surface for a sparse real motion v, given by its nonzero entries.
     pub(crate) fn sparse_form(&self, hz: f64, v: &[(usize, f64)]) -> f64 {
         let of_node = |(node, weight): (usize, f64)| weight * self.patches[node].sparse_form(v);
         self.weights(hz).map(of_node).sum()
     }
 
-    /// Adds `share` times a^H (R_p / omega²) a to every patch's row of `forms`, at all bins (columns).
+    /// Adds `share` times a^H (R_p / omega²) a to the row of each patch in `forms`, for all bins (columns).
     pub(crate) fn add_forms(
         &self,
         (frequency, share): (&[f64], &[f64]),
@@ -125,7 +125,7 @@ impl AveragedResistance {
         }
     }
 
-    /// Adds `share` times (R / omega²) a of the whole surface, in double precision.
+    /// Adds `share` times (R / omega²) a of the complete surface, in double precision.
     pub(crate) fn add_images(
         &self,
         (frequency, share): (&[f64], &[f64]),
@@ -145,8 +145,8 @@ impl AveragedResistance {
         }
     }
 
-    /// Adds signals whose squared sum is `share` times a^H (R / omega²) a: those of odd nodes to the first half of the
-    /// rows of `signals`, those of even ones to the other, each modes x bins.
+    /// Adds signals whose sum of squares is `share` times a^H (R / omega²) a: those of odd-numbered nodes to the first
+    /// half of the rows of `signals`, those of even-numbered ones to the second half, each modes x bins.
     pub(crate) fn add_root_signals(
         &self,
         (frequency, share): (&[f64], &[f64]),
@@ -164,7 +164,7 @@ impl AveragedResistance {
         }
     }
 
-    /// The runs of all bins with a share.
+    /// The runs of all bins with a nonzero share.
     fn runs(&self, frequency: &[f64], share: &[f64]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for (bin, (&hz, &share)) in frequency.iter().zip(share).enumerate().filter(|(_, (_, s))| **s > 0.0) {
@@ -193,7 +193,7 @@ fn motions(accelerations: &DMatrix<Complex<f64>>, run: &Run) -> Motions {
     Motions::new(&accelerations.columns(run.bins.start, run.bins.len()).into_owned())
 }
 
-/// Adds a matrix times the motions of some bins, times a factor of each, to the rows of `to` from `first` on.
+/// Adds a matrix times the motion in some bins, each with a factor, to the rows of `to` starting at `first`.
 fn add(
     matrix: &Mat<f32>,
     motions: &Motions,
@@ -220,7 +220,7 @@ mod tests {
         ((i * 31 + j * 17) as f64 * 0.7).sin()
     }
 
-    /// Three patches at three nodes, each semidefinite.
+    /// Three patches at three nodes, all positive semidefinite.
     fn means() -> AveragedResistance {
         let patch = |node: usize, p: usize| {
             let field = DMatrix::from_fn(2 * MODES, MODES, |i, j| wave(i + 5 * node, j + 3 * p));
@@ -233,7 +233,8 @@ mod tests {
         AveragedResistance::new((0..3).map(node).collect())
     }
 
-    /// Below the first node, at nodes, between them, more bins than are evaluated together, and beyond the last.
+    /// Covers frequencies below the first node, at nodes, between them and above the last, and more bins than are
+    /// evaluated together.
     #[test]
     fn forms_images_and_signals_are_those_of_the_resistance() {
         let means = means();

@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 /// sigma = (k a)^4 / (4 + (k a)^4)        a = (3 V / 4 pi)^{1/3},  V the body's volume
 /// ```
 ///
-/// Exact for a rigid sphere (Morse and Ingard 1968, Theoretical Acoustics, sec. 7.1). Modes without net momentum
-/// radiate less at low frequencies; vibrating plates radiate more near coincidence.
+/// This is exact for a rigid sphere (Morse and Ingard 1968, Theoretical Acoustics, sec. 7.1). Modes without net
+/// momentum radiate less at low frequencies; vibrating plates radiate more near coincidence.
 #[derive(Debug, Clone)]
 pub struct CompactErp {
     erp: Erp,
@@ -22,17 +22,17 @@ pub struct CompactErp {
     air: Air,
 }
 
-/// Radiation efficiency of an oscillating sphere of a volume \[m3\], see [`CompactErp`].
+/// Radiation efficiency of an oscillating sphere with the given volume \[m3\], see [`CompactErp`].
 pub fn sphere_efficiency(volume: f64, air: &Air, hz: f64) -> f64 {
     let ka4 = (2.0 * PI * hz * (0.75 * volume / PI).cbrt() / air.sound_speed).powi(4);
     ka4 / (4.0 + ka4)
 }
 
 impl CompactErp {
-    /// The operator of a body of a volume \[m3\] from the equivalent radiated power of its surface.
+    /// The operator of a body with the given volume \[m3\], from the equivalent radiated power of its surface.
     ///
     /// # Errors
-    /// A volume that is not positive.
+    /// If the volume is not positive.
     pub fn new(erp: Erp, volume: f64, air: &Air) -> Result<Self, InputError> {
         positive("volume of the body [m3]", volume)?;
         Ok(Self { erp, volume, air: *air })

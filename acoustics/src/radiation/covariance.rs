@@ -1,21 +1,22 @@
-//! Quadratic forms of covariances, which have a low rank in narrow bands.
+//! Quadratic forms of covariances, which have low rank in narrow bands.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Rows whose forms are summed at a time, while their products are in the cache.
+/// Number of rows whose forms are summed while their products are in the cache.
 const ROWS: usize = 256;
 
-/// Remaining diagonal at which the factorisation of a covariance ends, relative to its largest diagonal entry.
+/// Remaining diagonal, relative to the largest initial entry, below which the factorisation of a covariance ends.
 const USED_UP: f64 = 1e-12;
 
-/// Low-rank factor L of a symmetric, positive semidefinite C = L L^T, modes x rank, with single precision relative to
-/// the largest entry: by pivoted Cholesky factorisation, which ends at the rank of C. The rank is low in narrow bands.
+/// Low-rank factor L of a symmetric, positive semidefinite C = L L^T, modes x rank, accurate to single precision
+/// relative to the largest entry; computed by pivoted Cholesky factorisation, which ends at the rank of C. The rank is
+/// low in narrow bands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowRank(DMatrix<f32>);
 
 impl LowRank {
-    /// Of a covariance, modes x modes.
+    /// Factorises a covariance, modes x modes.
     pub fn of(covariance: &DMatrix<f64>) -> Self {
         let (order, columns) = triangle(covariance);
         let mut factor = DMatrix::zeros(order.len(), columns.len());
@@ -25,7 +26,7 @@ impl LowRank {
         Self(factor)
     }
 
-    /// phi^T C phi = |L^T phi|^2 for every row phi of `shapes`, for each C; the rows are read once for all of them.
+    /// phi^T C phi = |L^T phi|^2 for each row phi of `shapes` and each C; the rows are read only once.
     pub fn forms(of: &[Self], shapes: &DMatrix<f32>) -> Vec<Vec<f64>> {
         let ranks: Vec<usize> = of.iter().map(|own| own.0.ncols()).collect();
         let mut all = DMatrix::<f32>::zeros(shapes.ncols(), ranks.iter().sum());
@@ -59,14 +60,14 @@ impl LowRank {
     }
 }
 
-/// phi^T C phi for every row phi of `shapes` and a symmetric, positive semidefinite C, in single precision of the
-/// largest.
+/// phi^T C phi for each row phi of `shapes` and a symmetric, positive semidefinite C, to single precision relative to
+/// the largest entry.
 pub fn quadratic_forms(shapes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let shapes = shapes.map(|v| v as f32);
     LowRank::forms(&[LowRank::of(covariance)], &shapes).swap_remove(0)
 }
 
-/// The order of the pivots, all modes, and L in that order, column by column.
+/// All modes in pivot order, and L in that order, column by column.
 fn triangle(covariance: &DMatrix<f64>) -> (Vec<usize>, Vec<Vec<f64>>) {
     let n = covariance.nrows();
     let mut rest: Vec<f64> = covariance.diagonal().iter().copied().collect();

@@ -9,10 +9,10 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Bins evaluated together, so that intermediate results fit in the cache.
+/// Number of bins evaluated together, so that intermediate results fit in the cache.
 const STRETCH: usize = 256;
 
-/// Applies `each` to the frequencies and motions of stretches of bins; results in order.
+/// Applies `each` to the frequencies and motions of consecutive groups of bins; results are in order.
 fn by_stretches<T: Send>(
     spectra: &ModalSpectra,
     length: usize,
@@ -28,17 +28,17 @@ fn by_stretches<T: Send>(
     starts.par_iter().map(of_stretch).collect()
 }
 
-/// Bins whose signals are evaluated together; signals need much more memory than energies.
+/// Number of bins whose signals are evaluated together; signals need much more memory than energies.
 const SIGNAL_BINS: usize = 64;
 
-/// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with
-/// the given weight of every bin.
+/// Energy of each mode: its contribution to the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated
+/// with the given weight of each bin.
 ///
-/// The energies of the modes add up to the total. A mode that moves against the others absorbs sound, and its energy is
-/// negative.
+/// The energies of the modes add up to the total. A mode that vibrates against the others absorbs sound and has
+/// negative energy.
 ///
 /// # Errors
-/// A number of modes that differs from the operator's, another number of weights than bins.
+/// If the number of modes differs from the operator's, or the number of weights from the number of bins.
 pub fn mode_energies(
     radiation: &dyn ModalRadiation,
     spectra: &ModalSpectra,
@@ -64,14 +64,14 @@ pub fn mode_energies(
     Ok(energies)
 }
 
-/// Energy spectrum of a surface that moves in modes, with its patches as contributions.
+/// Energy spectrum of a surface that vibrates in modes, with its patches as contributions.
 ///
 /// ```text
 /// E(f) = 2 V^H R V = 2 A^H (R / omega^2) A
 /// ```
 ///
 /// # Errors
-/// A number of modes that differs from the operator's, a range beyond the operator's.
+/// If the number of modes differs from the operator's, or the range exceeds the operator's.
 pub fn radiated_energy(
     source: impl Into<String>,
     radiation: &dyn ModalRadiation,
@@ -100,8 +100,8 @@ pub fn radiated_energy(
     let mut density = Vec::with_capacity(spectra.frequency.len());
     for mut bin in forms.column_iter_mut() {
         let total = bin.sum();
-        // Interpolated R is semidefinite only to the interpolation error: if motions almost cancel, the sum may fall
-        // below 0.
+        // An interpolated R is semidefinite only within the interpolation error: if motions almost cancel, the sum may
+        // be negative.
         if total < 0.0 {
             bin.fill(0.0);
         }
@@ -118,16 +118,16 @@ pub fn radiated_energy(
     Ok(spectrum)
 }
 
-/// The signals of a surface that moves in modes, for its energy over time.
+/// The signals of a surface that vibrates in modes, for its energy over time.
 ///
 /// ```text
 /// x = L^H V = L^H A / (j omega)       R = L L^H
 /// ```
 ///
-/// `spectrum` is [`radiated_energy`] of the same operator and motion.
+/// `spectrum` is the result of [`radiated_energy`] for the same operator and motion.
 ///
 /// # Errors
-/// Another number of modes than the operator's, a spectrum on other frequencies.
+/// If the number of modes differs from the operator's, or the spectrum has other frequencies.
 pub fn radiated_signals(
     radiation: &dyn ModalRadiation,
     spectra: &ModalSpectra,

@@ -19,8 +19,8 @@ use std::sync::OnceLock;
 /// R = rho0 c0 Phi_n^T S Phi_n
 /// ```
 ///
-/// The limit of high frequencies and the sigma = 1 reference. Not a bound: sigma reaches 1.8 near coincidence, and at
-/// low frequencies it overestimates by orders of magnitude.
+/// This is the high-frequency limit and the sigma = 1 reference. It is not a bound: sigma reaches 1.8 near coincidence,
+/// while at low frequencies the equivalent radiated power is too high by orders of magnitude.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Erp {
     patches: Vec<String>,
@@ -42,7 +42,7 @@ impl Erp {
             for (row, weight) in part.weights().iter().enumerate() {
                 weighted.row_mut(row).scale_mut(air.impedance() * weight);
             }
-            // nalgebra's `tr_mul` is a column at a time, its product is blocked.
+            // nalgebra's `tr_mul` works column by column, whereas its product is blocked.
             part.normal_modes().transpose() * weighted
         };
         let resistances = (0..surface.patch_names().len()).map(of_patch).collect();
@@ -58,7 +58,7 @@ impl Erp {
         }
     }
 
-    /// With one more patch that radiates nothing, so that two operators have the same patches.
+    /// Adds a patch that radiates nothing, so that two operators have the same patches.
     #[must_use]
     pub(crate) fn with_silent_patch(mut self, name: &str) -> Self {
         let modes = self.modes();
@@ -67,7 +67,7 @@ impl Erp {
         Self::of(self.patches, self.resistances)
     }
 
-    /// With the first `count` patches as one of the name `name`.
+    /// Combines the first `count` patches into one called `name`.
     #[must_use]
     pub(crate) fn with_sum_of_patches(&self, count: usize, name: &str) -> Self {
         let modes = self.modes();
@@ -88,7 +88,7 @@ impl Erp {
         })
     }
 
-    /// R does not depend on frequency: one root serves all.
+    /// R does not depend on frequency, so a single root suffices.
     fn root(&self) -> &DMatrix<f64> {
         self.root.get_or_init(|| hermitian_root(&self.resistance(0.0)).real)
     }

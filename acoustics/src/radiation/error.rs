@@ -7,7 +7,7 @@ pub enum RadiationError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The Rayleigh integral was asked for a surface that is not one plane facing up.
+    /// The Rayleigh integral requires a single plane surface that faces up.
     #[error(
         "surface point {point} lies {offset} m off the plane z = {plane} m or its normal is not +z (n_z = {normal}); \
          the Rayleigh integral holds for a flat face in a rigid plane, use another operator for this surface"
@@ -22,7 +22,7 @@ pub enum RadiationError {
         /// Vertical component of the point's normal.
         normal: f64,
     },
-    /// A patch index points past the list of patch names.
+    /// A patch index exceeds the list of patch names.
     #[error("surface point {point} belongs to patch {patch}, but only {patches} patches are named")]
     Patch {
         /// Index of the quadrature point.
@@ -35,9 +35,9 @@ pub enum RadiationError {
     /// The block's footprint does not lie inside the sand box.
     #[error("the footprint {footprint:?} m (x, y) does not lie inside the sand box {sand:?} m; enlarge the box")]
     SandBox {
-        /// Half-open intervals of the block's top, x then y \[m\].
+        /// Half-open intervals of the block's top: x, then y \[m\].
         footprint: [[f64; 2]; 2],
-        /// Intervals of the sand surface, x then y \[m\].
+        /// Intervals of the sand surface: x, then y \[m\].
         sand: [[f64; 2]; 2],
     },
 }

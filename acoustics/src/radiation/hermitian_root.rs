@@ -1,4 +1,5 @@
-//! Hermitian roots of radiation resistances, which turn modal velocities into signals whose squared sum is the power.
+//! Hermitian roots of radiation resistances, which convert modal velocities into signals whose sum of squares is the
+//! power.
 
 use super::resistance::Resistance;
 use faer::diag::Diag;
@@ -10,14 +11,14 @@ use faer::traits::math_utils::{mul_real, real};
 use faer::{Accum, Mat, Par, unzip, zip};
 use nalgebra::{Complex, DMatrix};
 
-/// Coupling between two modes below this fraction of their mean resistance is neglected; no resistance counts as less
-/// than this fraction of the largest. Stored matrices are rounded to this precision.
+/// Coupling between two modes below this fraction of their mean resistance is neglected, and resistances below this
+/// fraction of the largest are raised to it. Stored matrices are rounded to this precision.
 const NOTHING: f64 = f32::EPSILON as f64;
 
 /// The Hermitian root of a resistance, S = S^H >= 0 with S^2 = R; its imaginary part is antisymmetric.
 ///
-/// Unlike sorted eigenvectors it is a smooth function of R, so that it may be interpolated over frequency. Negative
-/// eigenvalues, caused by rounding or interpolation, are set to zero. Groups of modes without coupling, for example of
+/// Unlike sorted eigenvectors, it is a smooth function of R and can be interpolated over frequency. Negative
+/// eigenvalues, caused by rounding or interpolation, are set to zero. Groups of uncoupled modes, for example of
 /// different parity, have separate roots.
 pub(super) fn hermitian_root(resistance: &Resistance) -> Resistance {
     let mut root = Resistance {
@@ -54,7 +55,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |j| (0..n).map(move |i| (i, j)))
 }
 
-/// Groups of modes without coupling to each other, see [`NOTHING`].
+/// Groups of modes that are not coupled to each other, see [`NOTHING`].
 fn independent(resistance: &Resistance) -> Vec<Vec<usize>> {
     let n = resistance.real.nrows();
     let least = NOTHING * resistance.real.diagonal().iter().copied().fold(0.0, f64::max);
@@ -86,7 +87,7 @@ fn independent(resistance: &Resistance) -> Vec<Vec<usize>> {
     groups
 }
 
-/// U max(D, 0)^{1/2} U^H for U D U^H; not a number if the eigenvalues of an invalid matrix do not converge.
+/// U max(D, 0)^{1/2} U^H for the matrix U D U^H; NaN if the eigenvalues of an invalid matrix do not converge.
 fn root_of<T: ComplexField<Real = f64>>(whole: Mat<T>) -> Mat<T> {
     let n = whole.nrows();
     let mut values = Diag::<T>::zeros(n);
@@ -125,7 +126,7 @@ fn root_of<T: ComplexField<Real = f64>>(whole: Mat<T>) -> Mat<T> {
 mod tests {
     use super::*;
 
-    /// Modes of two parities in turn, some hardly radiating; with and without an imaginary part.
+    /// Modes that alternate between two parities, some of which hardly radiate; with and without an imaginary part.
     #[test]
     fn the_square_of_a_root_is_the_resistance() {
         let n = 12;

@@ -6,7 +6,7 @@
 //! E(f) = 2 V^H R V,   V = A / (j omega)      =>      E(f) = 2 A^H (R / omega^2) A
 //! ```
 //!
-//! R / omega² is sampled and interpolated: it stays finite at f = 0.
+//! R / omega² is sampled and interpolated, because it remains finite at f = 0.
 
 mod averaged;
 pub mod boundary_elements;

@@ -11,17 +11,17 @@ pub trait ModalRadiation: Sync {
     /// Number of modes.
     fn modes(&self) -> usize;
 
-    /// Names of the surface patches; their resistances add up to that of the whole surface.
+    /// Names of the surface patches; their resistances add up to that of the complete surface.
     fn patches(&self) -> &[String];
 
-    /// Highest frequency the operator was computed for \[Hz\].
+    /// Highest frequency for which the operator was computed \[Hz\].
     fn highest_hz(&self) -> f64;
 
-    /// Resistance R(f) of the whole surface at the frequency `hz`.
+    /// Resistance R(f) of the complete surface at the frequency `hz`.
     fn resistance(&self, hz: f64) -> Resistance;
 
-    /// v^T R(f) v of the whole surface for each frequency \[Hz\] with a sparse real motion v, given by its nonzero
-    /// entries; each mode at most once.
+    /// v^T R(f) v of the complete surface for each frequency \[Hz\] and sparse real motion v, given by its nonzero
+    /// entries; each mode may occur only once.
     fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
         let form = |(hz, v): &(f64, Vec<(usize, f64)>)| self.resistance(*hz).sparse_form(v);
         motions.iter().map(form).collect()
@@ -31,7 +31,7 @@ pub trait ModalRadiation: Sync {
     /// columns of `accelerations` (modes x frequencies).
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64>;
 
-    /// (R / omega²) a for the whole surface at every frequency (columns), modes x frequencies.
+    /// (R / omega²) a for the complete surface at every frequency (columns), modes x frequencies.
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut images = DMatrix::zeros(accelerations.nrows(), frequency.len());
         for (bin, &hz) in frequency.iter().enumerate() {
@@ -42,14 +42,14 @@ pub trait ModalRadiation: Sync {
         images
     }
 
-    /// How many signals [`Self::root_signals`] returns.
+    /// Number of signals returned by [`Self::root_signals`].
     fn signals(&self) -> usize {
         self.modes()
     }
 
-    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
-    /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies are
-    /// accurate to the interpolation error.
+    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the complete surface: x = S^H
+    /// a, where S is the Hermitian root of R / omega², which is smooth over frequency. Where S is interpolated the
+    /// energies are accurate to the interpolation error.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut signals = DMatrix::zeros(accelerations.nrows(), frequency.len());
         for (bin, &hz) in frequency.iter().enumerate() {

@@ -1,15 +1,15 @@
-//! Hermitian matrices in packed storage and single precision, and their products with motions.
+//! Hermitian matrices in packed single-precision storage, and their products with motions.
 
 use super::resistance::Resistance;
 use faer::Mat;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// Rows are padded with zeros to a whole number of vectors.
+/// Rows are padded with zeros to full vectors.
 const LANES: usize = 16;
 
-/// Hermitian matrices of one size: of each the upper triangle by columns, followed by the imaginary part of the upper
-/// triangle without its diagonal if some matrix has one.
+/// Hermitian matrices of the same size. For each, the upper triangle by columns, followed by the imaginary part of the
+/// upper triangle without its diagonal if any matrix has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PackedHermitian {
     modes: usize,
@@ -20,7 +20,7 @@ pub(crate) struct PackedHermitian {
 }
 
 impl PackedHermitian {
-    /// Entries of a row.
+    /// Number of entries in a row.
     pub(super) fn length(modes: usize, skew: bool) -> usize {
         let pairs = modes * (modes + 1) / 2;
         (pairs + if skew { pairs - modes } else { 0 }).next_multiple_of(LANES)
@@ -61,7 +61,7 @@ impl PackedHermitian {
         self.skew
     }
 
-    /// Entries of a row.
+    /// Number of entries in a row.
     pub(super) fn stride(&self) -> usize {
         Self::length(self.modes, self.skew)
     }
@@ -91,7 +91,7 @@ impl PackedHermitian {
         self.unpacked(|at| factor * sums[at])
     }
 
-    /// The sum of all matrices as one row, not rounded.
+    /// The sum of all matrices as one row, without rounding.
     pub(super) fn summed(&self) -> Vec<f64> {
         summed(&self.values, self.stride())
     }
@@ -117,7 +117,7 @@ impl PackedHermitian {
         }
     }
 
-    /// The first `count` matrices as one, and the others.
+    /// Combines the first `count` matrices into one and keeps the others.
     pub(super) fn with_sum_of(&self, count: usize) -> Self {
         let stride = self.stride();
         let (first, others) = self.values.split_at(count.min(self.matrices) * stride);
@@ -130,19 +130,19 @@ impl PackedHermitian {
         }
     }
 
-    /// Times `factor`.
+    /// Multiplies by `factor`.
     pub(super) fn scale(&mut self, factor: f64) {
         let factor = factor as f32;
         self.values.iter_mut().for_each(|v| *v *= factor);
     }
 
-    /// Difference to `other`: all rows, one after the other.
+    /// Difference from `other`: all rows, one after the other.
     pub(super) fn less(&self, other: &Self) -> Vec<f64> {
         let pairs = self.values.iter().zip(&other.values);
         pairs.map(|(a, b)| f64::from(*a) - f64::from(*b)).collect()
     }
 
-    /// Adds factors times such rows.
+    /// Adds such rows times factors.
     pub(super) fn add<'a>(&mut self, terms: impl Iterator<Item = (f64, &'a [f64])>) {
         let mut sums: Vec<f64> = self.values.iter().map(|v| f64::from(*v)).collect();
         for (factor, rows) in terms {
@@ -151,7 +151,7 @@ impl PackedHermitian {
         self.values.iter_mut().zip(sums).for_each(|(v, sum)| *v = sum as f32);
     }
 
-    /// Appends zero matrices up to the number `matrices`.
+    /// Appends zero matrices up to a total of `matrices`.
     pub(super) fn add_silent(&mut self, matrices: usize) {
         self.matrices = self.matrices.max(matrices);
         self.values.resize(self.matrices * self.stride(), 0.0);
@@ -162,7 +162,7 @@ impl PackedHermitian {
         self.summed().into_iter().map(|v| v as f32).collect()
     }
 
-    /// The real part of the sum of all matrices, both its triangles.
+    /// The real part of the sum of all matrices, with both triangles.
     pub(super) fn dense(&self) -> Mat<f32> {
         let row = self.sum_row();
         Mat::from_fn(self.modes, self.modes, |i, j| {
@@ -175,7 +175,7 @@ impl PackedHermitian {
         self.sparse_form(&[(mode, 1.0)])
     }
 
-    /// v^T M v of the sum of all matrices, for the entries of a real v that are not zero.
+    /// v^T M v for the sum M of all matrices, given the nonzero entries of a real v.
     pub(super) fn sparse_form(&self, v: &[(usize, f64)]) -> f64 {
         let entry = |row: &[f32], i: usize, j: usize| f64::from(row[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]);
         let of_row = |row: &[f32]| {
@@ -189,7 +189,7 @@ impl PackedHermitian {
     }
 }
 
-/// The sum of consecutive rows of a length.
+/// The sum of consecutive rows of the given length.
 fn summed(rows: &[f32], length: usize) -> Vec<f64> {
     let mut sums = vec![0.0; length];
     for row in rows.chunks_exact(length.max(1)) {
@@ -198,7 +198,7 @@ fn summed(rows: &[f32], length: usize) -> Vec<f64> {
     sums
 }
 
-/// The sum of some matrices in the order of a row, not rounded.
+/// The sum of some matrices in row form, without rounding.
 pub(super) fn whole(modes: usize, matrices: &[Resistance]) -> Vec<f64> {
     let pairs = modes * (modes + 1) / 2;
     let mut row = vec![0.0; pairs];
@@ -216,7 +216,7 @@ pub(super) fn whole(modes: usize, matrices: &[Resistance]) -> Vec<f64> {
     row
 }
 
-/// M a of the matrix in a row with or without an imaginary part.
+/// M a for the matrix in a row with or without an imaginary part.
 pub(super) fn product(modes: usize, skew: bool, row: &[f64], a: &[Complex<f64>]) -> DVector<Complex<f64>> {
     let mut product = vec![Complex::default(); modes];
     let (real, imaginary) = row.split_at(row.len().min(modes * (modes + 1) / 2));
@@ -250,8 +250,9 @@ pub(super) fn diagonal(modes: usize, row: &[f64]) -> impl Iterator<Item = f64> {
     (0..modes).map(|i| row[i * (i + 3) / 2])
 }
 
-/// Visits the squares of all entries of the Hermitian matrix in a row, each entry over the root of `scale` of both its
-/// modes: how often the entry occurs in the matrix, then its square. Real parts come first, then imaginary ones.
+/// Visits the squares of all entries of the Hermitian matrix in a row, with each entry divided by the square roots of
+/// `scale` for its two modes: how often the entry occurs in the matrix, then its square. Real parts come first, then
+/// imaginary ones.
 pub(super) fn scaled_squares(scale: &[f64], row: &[f64], mut visit: impl FnMut(f64, f64)) {
     let mut entries = row.iter();
     for diagonal in [1, 0] {
@@ -273,20 +274,21 @@ pub(super) fn sum_of_rows(rows: &[f64], count: usize, factor: f64) -> Vec<f64> {
     sum
 }
 
-/// Motions in single precision, each scaled to its largest amplitude.
+/// Motions in single precision, each scaled by its largest amplitude.
 pub(super) struct Motions {
     modes: usize,
-    /// Amplitudes in the first half, phases a quarter later in the second: real and imaginary parts of each motion.
+    /// Amplitudes in the first half, and phases advanced by a quarter period in the second: real and imaginary parts of
+    /// each motion.
     parts: Vec<[Vec<f32>; 2]>,
     scale: Vec<f64>,
 }
 
 impl Motions {
-    /// Of the columns of `motion`.
+    /// Converts the columns of `motion`.
     pub(super) fn new(motion: &DMatrix<Complex<f64>>) -> Self {
         let (mut parts, mut scale) = (Vec::new(), Vec::new());
         for a in motion.column_iter() {
-            // Comparisons instead of `f64::max`, which handles NaN and is not a single instruction.
+            // Comparisons are used instead of `f64::max`, which handles NaN and therefore needs several instructions.
             let largest = a.iter().fold([0.0f64; 2], |[re, im], a| {
                 let (x, y) = (a.re.abs(), a.im.abs());
                 [if x > re { x } else { re }, if y > im { y } else { im }]
@@ -314,13 +316,13 @@ impl Motions {
         &self.parts[motion]
     }
 
-    /// Largest amplitude of a motion; its parts are divided by it.
+    /// Largest amplitude of a motion, by which its parts are divided.
     pub(super) fn scale(&self, motion: usize) -> f64 {
         self.scale[motion]
     }
 
-    /// a_i* a_j of all pairs in the order of the rows of [`PackedHermitian`] matrices, both triangles together, by
-    /// motion.
+    /// a_i* a_j for all pairs in the order of the rows of [`PackedHermitian`] matrices, with both triangles combined,
+    /// by motion.
     #[inline(always)]
     pub(super) fn pairs(&self, skew: bool) -> Pairs {
         let stride = PackedHermitian::length(self.modes, skew);

@@ -1,4 +1,4 @@
-//! The power of a part of a surface in the sound field of the whole.
+//! The power of part of a surface in the sound field of the complete surface.
 
 use super::energy::{radiated_energy, radiated_signals};
 use super::operator::ModalRadiation;
@@ -7,28 +7,28 @@ use crate::error::AcousticsError;
 use crate::signals::{IntervalLevels, PowerHistory, PowerSignals, SignalAnalysis, SourceSpectrum};
 use nalgebra::Complex;
 
-/// The energy of a part i of a surface: its own term and half of each cross term with the rest.
+/// The energy of part i of a surface: its own term and half of each cross term with the rest.
 ///
 /// ```text
 /// E_i = 2 Re(V_i^H R sum_j V_j) = [E(V + V_i) - E(V - V_i)] / 4,      V = sum_j V_j,   E(V) = 2 V^H R V
 /// ```
 ///
-/// R is symmetric. The energies of all parts therefore add up to that of the whole. A part that absorbs more of the
-/// sound of the others than it radiates has a negative energy.
+/// R is symmetric. The energies of all parts therefore add up to the total. A part that absorbs more sound from the
+/// others than it radiates has negative energy.
 #[derive(Debug, Clone)]
 pub struct PartOfSurface {
-    /// Its energy over frequency, of either sign.
+    /// Its energy over frequency, which may have either sign.
     pub spectrum: SourceSpectrum,
     /// V + V_i and V - V_i over time.
     signals: [PowerSignals; 2],
 }
 
 impl PartOfSurface {
-    /// The part of a surface that moves as `spectra` says. `radiation` has each mode of the surface, followed by each
-    /// mode with only the part in motion.
+    /// The part of a surface that moves according to `spectra`. The modes of `radiation` are each mode of the surface,
+    /// followed by each mode with only the part in motion.
     ///
     /// # Errors
-    /// As [`radiated_energy`]; a number of modes other than half that of `radiation`.
+    /// Those of [`radiated_energy`]; also if the number of modes is not half that of `radiation`.
     pub fn new(
         source: impl Into<String>,
         radiation: &dyn ModalRadiation,
@@ -53,13 +53,13 @@ impl PartOfSurface {
         })
     }
 
-    /// The larger mismatch of both signals with their energies, see [`PowerSignals::mismatch`].
+    /// The larger of the two signals' mismatches with their energies, see [`PowerSignals::mismatch`].
     pub fn mismatch(&self) -> f64 {
         self.signals.iter().map(PowerSignals::mismatch).fold(0.0, f64::max)
     }
 
-    /// A-weighted power over time and energies between neighbouring `edges` \[s\] within `range_hz`, of either sign,
-    /// see [`PowerSignals::analyse`].
+    /// A-weighted power over time, and energies between adjacent `edges` \[s\] within `range_hz`, which may have either
+    /// sign, see [`PowerSignals::analyse`].
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
         let [sum, difference] = self.signals.each_ref().map(|signals| signals.analyse(edges, range_hz));
         let pairs = sum.history.power.iter().zip(&difference.history.power);

@@ -5,15 +5,15 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Entries of rows that are multiplied before the sum is continued in double precision; those of 64 motions fit in the
-/// cache.
+/// Number of row entries that are multiplied before the sum is continued in double precision; those of 64 motions fit
+/// in the cache.
 const PIECE: usize = 1024;
-/// Matrices and motions multiplied side by side: as many sums as there are registers for.
+/// Number of matrices and motions multiplied at once, limited by the number of registers.
 const ROWS: usize = 4;
 const COLUMNS: usize = 3;
 
-/// a^H M a for every matrix of every sample and all motions (times the squares of their scales): sample by sample,
-/// matrix by matrix, motion by motion.
+/// a^H M a for every matrix of every sample and all motions (times the squares of their scales), ordered by sample,
+/// matrix and motion.
 pub(super) fn forms(samples: &[&PackedHermitian], motions: &Motions) -> Vec<f64> {
     let rows: Vec<&[f32]> = samples.iter().flat_map(|s| s.rows()).collect();
     let mut sums = vec![0.0; rows.len() * motions.len()];
@@ -42,7 +42,7 @@ impl WithSimd for Forms<'_> {
         let longest = self.rows.iter().map(|row| row.len()).max().unwrap_or(0);
         for start in (0..longest).step_by(PIECE) {
             for (group, rows) in self.rows.chunks(ROWS).enumerate() {
-                // Rows without an imaginary part end before the others.
+                // Rows without an imaginary part are shorter.
                 let length = rows.iter().map(|row| row.len()).min().unwrap_or(0);
                 let even = rows.iter().all(|row| row.len() == length);
                 let sums = &mut self.sums[group * ROWS * motions..];
@@ -61,7 +61,7 @@ impl WithSimd for Forms<'_> {
     }
 }
 
-/// Adds the products of a piece of R rows with all motions.
+/// Adds the products of a section of R rows with all motions.
 #[inline(always)]
 fn piece<S: Simd, const R: usize>(
     simd: S,
@@ -117,7 +117,7 @@ fn add<S: Simd, const R: usize, const C: usize>(
     }
 }
 
-/// M a of one real matrix and all motions: real and imaginary parts, modes x motions, over the motions' scales.
+/// M a for one real matrix and all motions: real and imaginary parts, modes x motions, divided by the motions' scales.
 pub(super) fn real_images(matrix: &Mat<f32>, motions: &Motions) -> [Mat<f32>; 2] {
     [0, 1].map(|part| {
         let motion = Mat::from_fn(matrix.ncols(), motions.len(), |mode, m| motions.part(m)[part][mode]);
@@ -134,7 +134,7 @@ pub(super) fn real_images(matrix: &Mat<f32>, motions: &Motions) -> [Mat<f32>; 2]
     })
 }
 
-/// M a of one matrix in the form of a row of [`PackedHermitian`] and one motion: real and imaginary parts.
+/// M a for one matrix as a row of [`PackedHermitian`] and one motion: real and imaginary parts.
 pub(super) fn image(modes: usize, skew: bool, row: &[f32], motion: &[Vec<f32>; 2]) -> [Vec<f32>; 2] {
     Arch::new().dispatch(Image {
         modes,
@@ -160,7 +160,7 @@ impl WithSimd for Image<'_> {
         let mut symmetric = [vec![0.0; n], vec![0.0; n]];
         let rest = triangle(simd, self.row, 1, 1.0, self.motion, &mut symmetric);
         if self.skew {
-            // j M a: the real part is -M times the imaginary one.
+            // j M a: the real part is -M times the imaginary part of a.
             let mut skew = [vec![0.0; n], vec![0.0; n]];
             triangle(simd, rest, 0, -1.0, self.motion, &mut skew);
             let [re, im] = &mut symmetric;
@@ -171,8 +171,8 @@ impl WithSimd for Image<'_> {
     }
 }
 
-/// Adds the product of a matrix by its upper triangle, the lower one being `sign` times that, to `to`; returns the row
-/// behind it. `diagonal` is 1 where the triangle has one.
+/// Adds the product of a matrix, given by its upper triangle (the lower one is `sign` times its transpose), to `to`;
+/// returns the remainder of the row after the triangle. `diagonal` is 1 if the triangle includes the diagonal.
 #[inline(always)]
 fn triangle<'a, S: Simd>(
     simd: S,
@@ -226,8 +226,8 @@ mod tests {
     use crate::radiation::resistance::Resistance;
     use nalgebra::{Complex, DMatrix};
 
-    /// Beside the definition in double precision, with and without an imaginary part, at sizes that fill vectors and
-    /// not.
+    /// Compared with the definition in double precision, with and without an imaginary part, for sizes that do and do
+    /// not fill vectors.
     #[test]
     fn products_are_those_of_the_matrices() {
         for n in [1, 2, 7, 8, 31, 64] {

@@ -1,10 +1,10 @@
 use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 
-/// Modal radiation resistance R(f) of one frequency: Hermitian, positive semidefinite, modes x modes.
+/// Modal radiation resistance R(f) at one frequency: Hermitian, positive semidefinite, modes x modes.
 ///
 /// With mass-normalised modal coordinates its unit is 1/s. It is real symmetric unless surface points move with
-/// different phases, as sand around a block does; then `imaginary` contains the antisymmetric part.
+/// different phases, like the sand around a block; then `imaginary` contains the antisymmetric part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resistance {
     /// Symmetric real part.
@@ -58,7 +58,7 @@ impl Resistance {
         v.iter().map(row).sum()
     }
 
-    /// R times all columns of a motion.
+    /// R times each column of a motion.
     pub(crate) fn product(&self, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut product = real_product(&self.real, motion);
         if let Some(imaginary) = &self.imaginary {
@@ -67,7 +67,7 @@ impl Resistance {
         product
     }
 
-    /// The zero resistance of so many modes.
+    /// The zero resistance of this many modes.
     pub fn zeros(modes: usize) -> Self {
         Self {
             real: DMatrix::zeros(modes, modes),

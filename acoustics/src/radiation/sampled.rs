@@ -12,41 +12,41 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Norm of the errors of all entries.
+/// Norm of the errors over all entries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Norm {
-    /// The largest.
+    /// The largest magnitude.
     Largest,
-    /// The root of their mean square.
+    /// The root mean square.
     MeanSquare,
 }
 
-/// Samples added to an interval at a time and computed in parallel.
+/// Number of samples added to an interval at a time, computed in parallel.
 const ROUND: usize = 4;
 
-/// Widest interval if signals are interpolated to the tolerance too, as a ratio of frequencies: the root of R varies
-/// faster than R.
+/// Widest interval, as a ratio of frequencies, if signals must also be interpolated to the tolerance: the root of R
+/// varies faster than R.
 const OCTAVE: f64 = 2.0;
 
 /// Range and accuracy of the sampling of a radiation resistance over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Lowest and highest sample \[Hz\]. Below the lowest every entry follows its own power law.
+    /// Lowest and highest sample \[Hz\]. Below the lowest sample, every entry follows its own power law.
     pub range_hz: [f64; 2],
-    /// Largest interpolation error, relative to sqrt(R_ii R_jj): of any entry R_ij, or root mean square over them where
-    /// [`SampledRadiation::of_parities`] takes the samples. Below 2e-7 it is not met: samples are stored in single
-    /// precision.
+    /// Largest interpolation error relative to sqrt(R_ii R_jj): of any entry R_ij, or as root mean square over them if
+    /// [`SampledRadiation::of_parities`] takes the samples. Values below 2e-7 cannot be met, because samples are stored
+    /// in single precision.
     pub tolerance: f64,
-    /// The error of a mode whose resistance is below this fraction of the largest one at a frequency is measured
-    /// relative to that fraction: its resistance is a small difference of large numbers, and its sound is hardly
+    /// Fraction of the largest resistance at a frequency. The error of a mode with a lower resistance is measured
+    /// relative to this fraction, because its resistance is a small difference of large numbers and its sound is hardly
     /// audible.
     pub floor: f64,
-    /// Most samples taken.
+    /// Largest number of samples.
     pub most_samples: usize,
 }
 
 impl Default for Sampling {
-    /// 40 Hz to 10 kHz, 1e-4, judged down to 1e-6 of the best radiator, 400 samples.
+    /// 40 Hz to 10 kHz, tolerance 1e-4, floor 1e-6, 400 samples.
     fn default() -> Self {
         Self {
             range_hz: [40.0, 10_000.0],
@@ -71,34 +71,34 @@ impl Sampling {
 
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
-/// Q = R / omega² is interpolated entrywise by polynomials on intervals of the frequency axis. Below the lowest sample
-/// f_0
+/// Q = R / omega² is interpolated entry by entry with polynomials on intervals of the frequency axis. Below the lowest
+/// sample f_0
 ///
 /// ```text
 /// R_ij(f) = R_ij(f_0) (f/f_0)^{(n_i + n_j)/2}      n_i = 2, 4, 6: the slope of R_ii at f_0, rounded to even
 /// ```
 ///
-/// so that R stays positive semidefinite.
+/// so that R remains positive semidefinite.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SampledRadiation {
     method: String,
     modes: usize,
     patches: Vec<String>,
     grid: Grid,
-    /// R of every patch at the samples, in single precision, so that a result does not depend on whether it was cached.
+    /// R of each patch at the samples, in single precision, so that a result does not depend on whether it was cached.
     samples: Vec<PackedHermitian>,
     slopes: Vec<f64>,
     /// Hermitian roots of the sum over patches at the samples used by intervals, if computed.
     roots: Vec<Option<PackedHermitian>>,
 }
 
-/// R at one frequency, of every parity and patch.
+/// R at one frequency for each parity and patch.
 pub(crate) type Solution = Vec<Vec<Resistance>>;
 
-/// One resistance at one frequency while it is sampled.
+/// A resistance at one frequency during sampling.
 struct Sample {
     patches: PackedHermitian,
-    /// Q of all patches together as a row of a packed matrix, not rounded.
+    /// Q of all patches combined, as a row of a packed matrix without rounding.
     whole: Vec<f64>,
 }
 
@@ -117,11 +117,11 @@ fn per_omega2(hz: f64) -> f64 {
 }
 
 impl SampledRadiation {
-    /// Samples `resistance`, which returns R(f) of every patch, until the tolerance is met; frequencies in parallel.
-    /// Intervals end at `kinks` \[Hz\], where polynomials do not converge.
+    /// Samples `resistance`, which returns R(f) of every patch, until the tolerance is met; frequencies are evaluated
+    /// in parallel. Intervals end at `kinks` \[Hz\], across which polynomials do not converge.
     ///
     /// # Errors
-    /// An empty range, a tolerance that is not positive, or [`SamplingError::Unresolved`](crate::SamplingError).
+    /// If the range is empty or the tolerance is not positive; [`SamplingError::Unresolved`](crate::SamplingError).
     pub fn new(
         method: &str,
         modes: usize,
@@ -135,14 +135,14 @@ impl SampledRadiation {
         Ok(found.swap_remove(0))
     }
 
-    /// Samples several resistances with a common solution, as those of all parities of a body: `solve` returns R(f) of
-    /// each and of every patch, `modes` is the number of modes of each.
+    /// Samples several resistances that share a solution, such as those of all parities of a body: `solve` returns R(f)
+    /// of each for every patch, and `modes` contains the number of modes of each.
     ///
-    /// The error is judged over all entries of all resistances together, with every mode scaled to the same power.
-    /// Single entries of weak modes near a narrow resonance of the air may have a larger error.
+    /// The error is assessed over all entries of all resistances together, with every mode scaled to the same power.
+    /// Individual entries of weak modes near a narrow resonance of the air may have a larger error.
     ///
     /// # Errors
-    /// As [`Self::new`], and those of `solve`.
+    /// Those of [`Self::new`] and of `solve`.
     pub fn of_parities(
         method: &str,
         modes: &[usize],
@@ -153,7 +153,7 @@ impl SampledRadiation {
         Self::of_rounds(method, modes, patches, sampling, each(solve))
     }
 
-    /// The same where `solve` takes all frequencies of a round.
+    /// Same as `of_parities`, where `solve` takes all frequencies of a round.
     pub(crate) fn of_rounds(
         method: &str,
         modes: &[usize],
@@ -209,11 +209,11 @@ impl SampledRadiation {
 
     /// Corrects resistances sampled by [`SampledRadiation::of_parities`] with a cheap model, using an accurate model at
     /// the first few of the same frequencies. The difference is interpolated like the resistance itself, to the
-    /// tolerance relative to the resistance; because it is small it needs fewer frequencies, `round` at a time. Returns
-    /// the frequencies at which the accurate model was evaluated.
+    /// tolerance relative to the resistance; because it is small, it needs fewer frequencies, added `round` at a time.
+    /// Returns the frequencies at which the accurate model was evaluated.
     ///
     /// # Errors
-    /// Those of `solve`.
+    /// Errors of `solve`.
     pub(crate) fn correct(
         found: &mut [Self],
         (sampling, round): (&Sampling, usize),
@@ -262,10 +262,10 @@ impl SampledRadiation {
         Ok(Some(grid))
     }
 
-    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` at each
-    /// frequency \[Hz\] of that air: R(f) = factor(f) R0(f/speed).
+    /// Converts to different air: multiplies frequencies by `speed`, and the resistance at each new frequency \[Hz\] by
+    /// `factor`: R(f) = factor(f) R0(f/speed).
     ///
-    /// The result has the label `method`. The factor is interpolated with R; its interpolation error is added to
+    /// The result has the label `method`. The factor is interpolated along with R; its interpolation error is added to
     /// [`SampledRadiation::interpolation_error`].
     #[must_use]
     pub(crate) fn in_air(mut self, method: &str, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
@@ -280,8 +280,8 @@ impl SampledRadiation {
         self
     }
 
-    /// Joins this radiation up to its highest frequency with `above` from there on. Also returns the indices of the
-    /// samples of `above` that follow its own, in their order. Patches that are missing in `above` are silent there.
+    /// Joins this radiation, up to its highest frequency, with `above` beyond it. Also returns the indices of the
+    /// samples of `above` that were appended, in order. Patches that are missing in `above` are silent there.
     pub(crate) fn continued(mut self, mut above: Self) -> (Self, Vec<usize>) {
         let taken = self.grid.extend(&above.grid);
         self.roots.resize(self.samples.len(), None);
@@ -295,7 +295,7 @@ impl SampledRadiation {
         (self, taken)
     }
 
-    /// With the first `count` patches as one of the name `name`.
+    /// Combines the first `count` patches into one called `name`.
     #[must_use]
     pub(crate) fn with_sum_of_patches(&self, count: usize, name: &str) -> Self {
         Self {
@@ -309,7 +309,7 @@ impl SampledRadiation {
         }
     }
 
-    /// Computes and stores the roots that signals need, instead of computing them for every motion.
+    /// Computes and stores the roots needed for signals, instead of computing them for every motion.
     #[must_use]
     pub fn with_roots(mut self) -> Self {
         let used = |sample: usize| {
@@ -325,7 +325,7 @@ impl SampledRadiation {
         self
     }
 
-    /// Frequencies sampled \[Hz\], rising.
+    /// Frequencies sampled \[Hz\], ascending.
     pub fn sampled_hz(&self) -> Vec<f64> {
         let mut hz = self.samples_hz().to_vec();
         hz.sort_by(f64::total_cmp);
@@ -347,13 +347,13 @@ impl SampledRadiation {
         &self.grid
     }
 
-    /// Estimated interpolation error of a field known at the same samples, relative to the largest entry in an
+    /// Estimated interpolation error of a field sampled at the same frequencies, relative to the largest entry in an
     /// interval.
     pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
         self.grid.error_of_fields(samples)
     }
 
-    /// Factor on the amplitude of a mode that evaluates the lowest sample's Q at a lower frequency.
+    /// Factor on the amplitude of a mode that makes the lowest sample's Q valid at a lower frequency.
     fn low_factor(&self, hz: f64, mode: usize) -> f64 {
         (hz / self.grid.lowest_hz()).powf(0.5 * self.slopes[mode] - 1.0)
     }
@@ -365,13 +365,13 @@ impl SampledRadiation {
     }
 }
 
-/// The names of patches, with the first `count` replaced by one of the name `name`.
+/// The names of patches, with the first `count` replaced by the single name `name`.
 pub(super) fn sum_of_names(patches: &[String], count: usize, name: &str) -> Vec<String> {
     let others = patches.iter().skip(count).cloned();
     std::iter::once(name.to_owned()).chain(others).collect()
 }
 
-/// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.
+/// Exponents of the diagonal of R at the lowest sample, rounded to even numbers from 2 upwards.
 fn low_slopes(grid: &Grid, samples: &[PackedHermitian], modes: usize) -> Vec<f64> {
     let mut rising = grid.intervals()[0].nodes.clone();
     rising.sort_by(|&a, &b| grid.hz()[a].total_cmp(&grid.hz()[b]));
@@ -388,15 +388,15 @@ fn low_slopes(grid: &Grid, samples: &[PackedHermitian], modes: usize) -> Vec<f64
     (0..modes).map(slope).collect()
 }
 
-/// Distance of the test samples from the interpolant through the others for all parities together, at the worst of
-/// their frequencies, with modes scaled to equal radiated power.
+/// Difference between the test samples and the interpolant through the others, for all parities together, at the worst
+/// of their frequencies, with modes scaled to equal radiated power.
 ///
 /// ```text
-/// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
+/// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, with resistances raised to at least `floor` of the largest
 /// ```
 ///
-/// It is the root mean square energy error of one mode if modes are many and radiate independently. In the norm of the
-/// largest entry it is max |(S D S)_ij|, the error of any pair of modes.
+/// For many modes that radiate independently, it is the root-mean-square energy error of one mode. In the norm of the
+/// largest entry, it is max |(S D S)_ij|, the error of any pair of modes.
 fn misfit<'a>(
     interval: &Interval,
     modes: &[usize],

@@ -9,10 +9,10 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Bins whose products are summed at once.
+/// Number of bins whose products are summed at once.
 const STRETCH: usize = 256;
 
-/// Fourier transforms of modal accelerations on the bins of the analysed range.
+/// Fourier transforms of modal accelerations in the bins of the analysed range.
 #[derive(Debug, Clone)]
 pub struct ModalSpectra {
     /// Frequencies of the bins \[Hz\].
@@ -24,7 +24,7 @@ pub struct ModalSpectra {
 }
 
 impl ModalSpectra {
-    /// The spectra of several bodies as those of one; above the top frequency of a body its modes do not move.
+    /// Combines the spectra of several bodies into one; above the highest frequency of a body, its modes do not move.
     pub fn side_by_side<'a>(bodies: &[&'a Self]) -> Cow<'a, Self> {
         if let [only] = bodies {
             return Cow::Borrowed(only);
@@ -48,7 +48,7 @@ impl ModalSpectra {
         })
     }
 
-    /// The spectra of modes that are combinations of these, modes x these.
+    /// The spectra of modes that are combinations of these; `modes` is the matrix modes x these.
     #[must_use]
     pub fn combined(&self, modes: &DMatrix<f64>) -> Self {
         Self {
@@ -58,7 +58,7 @@ impl ModalSpectra {
         }
     }
 
-    /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` \[s\].
+    /// Transforms the acceleration records of `modes` modes, with `samples` samples at `sample_interval` \[s\].
     ///
     /// Records are requested one mode at a time, in parallel, so that at most one per thread is in memory.
     ///
@@ -88,11 +88,11 @@ impl ModalSpectra {
         })
     }
 
-    /// The same from records of several modes at once (samples x modes, each column contiguous), `block` modes at a
-    /// time.
+    /// Same as `from_accelerations`, with records of several modes at once (samples x modes, each column contiguous),
+    /// `block` modes at a time.
     ///
     /// # Errors
-    /// As [`Self::from_accelerations`], and those of `records`.
+    /// Those of [`Self::from_accelerations`] and of `records`.
     pub fn from_blocks<E: From<AcousticsError> + Send>(
         modes: usize,
         block: usize,
@@ -124,14 +124,13 @@ impl ModalSpectra {
         })
     }
 
-    /// Covariance C of the modal velocities in a band, modes x modes, with a weight w(f) of every frequency.
+    /// Covariance C of the modal velocities in a band, modes x modes, with a frequency weighting w(f).
     ///
     /// ```text
     /// C = 2 int w Re(a a^H) / omega^2 df
     /// ```
     ///
-    /// For the mode shape amplitudes phi, phi^T C phi is 2 int w |v|^2 df. `None` if the band contains fewer than two
-    /// bins.
+    /// For mode shape amplitudes phi, phi^T C phi is 2 int w |v|^2 df. `None` if the band contains fewer than two bins.
     pub fn velocity_covariance(&self, [low, high]: [f64; 2], weight: impl Fn(f64) -> f64) -> Option<DMatrix<f64>> {
         let bins: Vec<usize> = (0..self.frequency.len())
             .filter(|&k| (low..high).contains(&self.frequency[k]))

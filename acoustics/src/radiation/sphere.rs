@@ -7,19 +7,19 @@ use nalgebra::DMatrix;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
-/// Acceleration noise of a body in rigid motion along one axis, modelled as a sphere of the same volume.
+/// Acceleration noise of a body in rigid motion along one axis, modelled as a sphere of equal volume.
 ///
 /// ```text
 /// E(f) = 2 |A/omega|^2 rho0 c0 (4 pi a^2 / 3) (k a)^4 / (4 + (k a)^4)       a = (3 V / 4 pi)^{1/3}
 /// ```
 ///
-/// The radiation resistance of the oscillating sphere is exact. A velocity step v radiates rho0 V v² / 4. Only rigid
-/// motion in free space is included: no vibration of walls and no reflection from a surface below.
+/// The radiation resistance of an oscillating sphere is exact. A velocity step v radiates rho0 V v² / 4. Only rigid
+/// motion in free space is included, without wall vibration or reflection from a surface below.
 ///
 /// `acceleration` \[m/s²\] at intervals of `sample_interval` \[s\], `volume` \[m³\].
 ///
 /// # Errors
-/// See [`Transform::new`] and [`Transform::apply`]; a volume that is not positive.
+/// See [`Transform::new`] and [`Transform::apply`]; also if the volume is not positive.
 pub fn rigid_body_energy(
     source: impl Into<String>,
     acceleration: &[f64],
@@ -58,7 +58,7 @@ pub fn rigid_body_signals(
     )?)
 }
 
-/// Bins and sqrt(R) A / (j omega) of the sphere.
+/// Bins, and sqrt(R) A / (j omega) of the sphere.
 fn radiated(
     acceleration: &[f64],
     sample_interval: f64,

@@ -4,11 +4,11 @@ use crate::error::AcousticsError;
 use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, DMatrixView, Point3, Vector3};
 
-/// Gauss points along each side of a face; the modes are quadratic on it, so that their squares are integrated exactly
+/// Number of Gauss points along each side of a face; modes are quadratic there, so their squares are integrated exactly
 /// on rectangular faces.
 pub(crate) const FACE_POINTS: usize = 3;
 
-/// A surface as input of the radiation operators: quadrature points and normal modal displacements there.
+/// A surface as input to the radiation operators: quadrature points and normal modal displacements there.
 #[derive(Debug, Clone)]
 pub struct RadiatingSurface {
     points: Vec<Point3<f64>>,
@@ -20,14 +20,14 @@ pub struct RadiatingSurface {
 }
 
 impl RadiatingSurface {
-    /// A surface from its quadrature.
+    /// Creates a surface from its quadrature.
     ///
     /// * `points` \[m\], `normals` (outward, unit), `weights` \[m²\]: one each per quadrature point.
     /// * `patch`: index into `patch_names` per point.
     /// * `normal_modes`: points x modes, normal component of the modal displacement; per unit of modal coordinate.
     ///
     /// # Errors
-    /// Lengths that differ, a patch without a name, values that are not finite.
+    /// If lengths differ, a patch has no name, or values are not finite.
     pub fn new(
         points: Vec<Point3<f64>>,
         normals: Vec<Vector3<f64>>,
@@ -66,12 +66,12 @@ impl RadiatingSurface {
         })
     }
 
-    /// The quadrature points of a surface that are `shown`, with normal modal displacements from `shapes`, the
-    /// displacements of the surface's points in each mode, (3 x points) x modes. The normal component is formed per
-    /// face, because the normal at a node on an edge is not unique.
+    /// The quadrature points of those faces of a surface that are `shown`, with normal modal displacements from
+    /// `shapes`, the displacements of the surface's points in each mode, (3 x points) x modes. The normal component is
+    /// computed per face, because the normal at a node on an edge is not unique.
     ///
     /// # Errors
-    /// A number of rows that does not fit the surface's points; those of the surface.
+    /// If the number of rows does not match the surface's points; errors of the surface.
     pub fn of_faces(
         surface: &Surface,
         shapes: DMatrixView<'_, f32>,
@@ -96,7 +96,7 @@ impl RadiatingSurface {
         let mut patches: Vec<usize> = points.iter().map(|p| surface.faces[p.face].patch).collect();
         let mut shown = patches.clone();
         shown.sort_unstable();
-        shown.dedup(); // a patch that is wholly hidden has no level to show
+        shown.dedup(); // a completely hidden patch has no level to show
         for patch in &mut patches {
             *patch = shown.partition_point(|p| p < patch);
         }

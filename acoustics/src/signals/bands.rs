@@ -16,7 +16,7 @@ const LG_G: f64 = 0.3;
 /// f_m = 1000 Hz G^{k/3}      f_1,2 = f_m G^{-1/6, +1/6}      G = 10^{3/10}
 /// ```
 ///
-/// Neighbours share their edge bit for bit.
+/// The common edge of adjacent bands is bitwise the same.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Band {
     /// Band number k; 0 is the band of 1 kHz.
@@ -40,11 +40,11 @@ impl Band {
         }
     }
 
-    /// Mid-band frequency rounded to the series printed on instruments (IEC 61260-1:2014, annex E): 31.5, 40, 50 ...
+    /// Mid-band frequency rounded to the nominal values (IEC 61260-1:2014, annex E): 31.5, 40, 50 ...
     pub fn nominal_hz(&self) -> f64 {
         const SERIES: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
         let digit = SERIES[self.index.rem_euclid(10) as usize];
-        // Hundredths of a hertz are exact here, so 31.5 does not print as 31.499999.
+        // Hundredths of a hertz are exact here, so that 31.5 is not printed as 31.499999.
         (digit * 10f64.powi(3 + self.index.div_euclid(10)) * 1000.0).round() / 1000.0
     }
 }
@@ -59,8 +59,8 @@ pub fn third_octaves() -> Vec<Band> {
     THIRD_OCTAVES.map(Band::new).collect()
 }
 
-/// The bands of a range \[Hz\]: those of [`THIRD_OCTAVES`], and those beyond them that the range reaches into. An end
-/// of the range that is not positive and finite adds none.
+/// The bands of a range \[Hz\]: those of [`THIRD_OCTAVES`], and further ones that the range overlaps. An end of the
+/// range that is not positive and finite adds none.
 pub fn bands_of(range_hz: [f64; 2]) -> Vec<Band> {
     let [low, high] = range_hz;
     let (mut first, mut last) = THIRD_OCTAVES.into_inner();
@@ -68,7 +68,7 @@ pub fn bands_of(range_hz: [f64; 2]) -> Vec<Band> {
         first = first.min(band_containing(low).index);
     }
     if high > 0.0 && high < f64::INFINITY {
-        // An edge belongs to the band above it, into which a range that ends there does not reach.
+        // An edge belongs to the band above it, which a range that ends there does not overlap.
         let top = band_containing(high);
         last = last.max(top.index - i32::from(high <= top.low));
     }
@@ -76,7 +76,7 @@ pub fn bands_of(range_hz: [f64; 2]) -> Vec<Band> {
 }
 
 /// The octave bands from 63 Hz to 8 kHz: f_m = 1000 Hz G^k, f_1,2 = f_m G^{-1/2, +1/2}. Each has the number and the
-/// mid-band frequency of its middle third.
+/// mid-band frequency of its middle third octave.
 pub fn octaves() -> Vec<Band> {
     let octave = |k: i32| Band {
         low: edge(3 * k - 1),

@@ -3,23 +3,23 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The signal of a one-sided spectrum on evenly spaced bins, at any sampling rate \[1/s\], from t = 0 on.
+/// The signal of a one-sided spectrum on uniformly spaced bins, at any sampling rate \[1/s\], starting at t = 0.
 ///
 /// ```text
 /// x(t_n) = 2 df Re sum_k X(f_k) e^{j 2 pi f_k t_n}
 /// ```
 ///
-/// The chirp transform (Rabiner, Schafer and Rader 1969): k n = (k² + n² - (n - k)²) / 2 makes the sum a convolution.
-/// The distance of the bins and the number of samples are thus independent. The sum is periodic with 1/df; the result
-/// is set to zero after one period.
+/// Uses the chirp transform (Rabiner, Schafer and Rader 1969): k n = (k² + n² - (n - k)²) / 2 turns the sum into a
+/// convolution. The bin spacing and the number of samples are thus independent. The sum is periodic with 1/df; the
+/// result is set to zero after one period.
 pub struct ChirpTransform {
     bins: usize,
     samples: usize,
-    /// Samples that are not zero.
+    /// Number of nonzero samples.
     sounding: usize,
     forward: Arc<dyn Fft<f64>>,
     inverse: Arc<dyn Fft<f64>>,
-    /// e^{j pi k² df/rate} of bins, and the factors of the samples after the convolution.
+    /// e^{j pi k² df/rate} for the bins, and the factors applied to the samples after the convolution.
     before: Vec<Complex<f64>>,
     after: Vec<Complex<f64>>,
     /// Transform of e^{-j pi n² df/rate}.
@@ -36,7 +36,7 @@ impl std::fmt::Debug for ChirpTransform {
 }
 
 impl ChirpTransform {
-    /// Plans the transform of spectra at evenly spaced frequencies \[Hz\] to `samples` samples.
+    /// Plans the transform of spectra at uniformly spaced frequencies \[Hz\] to `samples` samples.
     pub fn new(frequency: &[f64], rate: f64, samples: usize) -> Self {
         let bins = frequency.len();
         let df = match frequency {
@@ -49,7 +49,7 @@ impl ChirpTransform {
             samples.min((rate / df).ceil() as usize)
         };
         let step = df / rate;
-        // pi step n² modulo 2 pi, n² exact in f64.
+        // pi step n² modulo 2 pi; n² is exact in f64.
         let chirp = |n: usize| Complex::from_polar(1.0, PI * ((n * n) as f64 * step).rem_euclid(2.0));
         let chirps: Vec<Complex<f64>> = (0..bins.max(sounding)).map(chirp).collect();
         let length = (bins + sounding).saturating_sub(1).next_power_of_two();

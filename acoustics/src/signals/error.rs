@@ -1,18 +1,18 @@
 use crate::checks::InputError;
 use thiserror::Error;
 
-/// Why a spectrum or its signals cannot be formed.
+/// Why a spectrum or its signals cannot be computed.
 #[derive(Debug, Error)]
 pub enum LevelsError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// Frequencies do not rise strictly.
+    /// Frequencies are not strictly ascending.
     #[error("the frequency {next} Hz follows {previous} Hz; a spectrum's frequencies rise strictly")]
     Frequencies {
         /// A frequency \[Hz\].
         previous: f64,
-        /// The one after it \[Hz\].
+        /// The next frequency \[Hz\].
         next: f64,
     },
     /// A frequency is not a multiple of the bin width.
@@ -20,7 +20,7 @@ pub enum LevelsError {
     NotABin {
         /// The frequency \[Hz\].
         hz: f64,
-        /// Mean distance of the frequencies \[Hz\].
+        /// Mean spacing of the frequencies \[Hz\].
         resolution: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Levels of single events from records of sound pressure, as measured by a sound level meter.
+//! Levels of single events from sound pressure records, as measured by a sound level meter.
 
 use super::fourier::fast_length;
 use super::{Level, Weighting};
@@ -12,32 +12,34 @@ pub const REFERENCE_PRESSURE: f64 = 20e-6;
 /// Oversampling of the record for the peak search; without it, the peak is underestimated by up to 3 dB.
 const PEAK_OVERSAMPLING: usize = 8;
 
-/// Padding before the transform \[s\]: the slowest pole of the weightings, 20.6 Hz, decays by a factor of 1e-11 in it.
+/// Padding before the transform \[s\], in which the slowest pole of the weightings, 20.6 Hz, decays by a factor of
+/// 1e-11.
 const RINGING: f64 = 0.2;
 
-/// Sound exposure level L_E of a pressure record \[Pa\] at intervals of `sample_interval` \[s\]; `None` for silence.
+/// Sound exposure level L_E of a pressure record \[Pa\] sampled at intervals of `sample_interval` \[s\]; `None` for
+/// silence.
 ///
 /// ```text
 /// L_E = 10 lg( int p_w^2 dt / ((20 uPa)^2 x 1 s) )
 /// ```
 ///
-/// IEC 61672-1:2013, 3.12. The record is taken as zero outside.
+/// IEC 61672-1:2013, 3.12. The pressure is assumed to be zero outside the record.
 ///
 /// # Errors
-/// An interval that is not positive, values that are not finite.
+/// If the interval is not positive or values are not finite.
 pub fn exposure_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) -> Result<Level, InputError> {
     let weighted = weighted(pressure, sample_interval, weighting, 1)?;
     let exposure = weighted.iter().map(|p| p * p).sum::<f64>() * sample_interval;
     Ok((exposure > 0.0).then(|| 10.0 * (exposure / REFERENCE_PRESSURE.powi(2)).log10()))
 }
 
-/// Peak sound level of a pressure record \[Pa\] at intervals of `sample_interval` \[s\]; `None` for silence.
+/// Peak sound level of a pressure record \[Pa\] sampled at intervals of `sample_interval` \[s\]; `None` for silence.
 ///
 /// ```text
 /// L_peak = 20 lg( max |p_w| / 20 uPa )
 /// ```
 ///
-/// IEC 61672-1:2013, 3.11, between the samples too. The record is taken as zero outside.
+/// IEC 61672-1:2013, 3.11; peaks between samples are included. The pressure is assumed to be zero outside the record.
 ///
 /// # Errors
 /// See [`exposure_level`].
@@ -47,7 +49,7 @@ pub fn peak_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) 
     Ok((peak > 0.0).then(|| 20.0 * (peak / REFERENCE_PRESSURE).log10()))
 }
 
-/// The record through the causal weighting filter, with `finer` samples for each given one, and with time to ring out.
+/// The record after the causal weighting filter, with `finer` samples for each original one and time to ring out.
 fn weighted(record: &[f64], dt: f64, weighting: Weighting, finer: usize) -> Result<Vec<f64>, InputError> {
     positive("sample interval [s]", dt)?;
     finite("pressure", record)?;
@@ -67,7 +69,7 @@ fn weighted(record: &[f64], dt: f64, weighting: Weighting, finer: usize) -> Resu
     for (k, (to, from)) in finer_spectrum.iter_mut().zip(&spectrum).enumerate() {
         *to = from * weighting.response(k as f64 / (length as f64 * dt)) * scale;
     }
-    // Real values where the transform of a real record has them.
+    // These values of a real record's transform are real.
     finer_spectrum[0].im = 0.0;
     if finer == 1 {
         finer_spectrum[length / 2].im = 0.0;

@@ -1,7 +1,7 @@
 use super::bands::Band;
 use super::{BandLevel, SourceSpectrum, Weighting, bands_of, energy_level, energy_weights};
 
-/// Order n of the low-pass prototype; the band-pass has 2 n poles. Three is the least that meets class 1.
+/// Order n of the low-pass prototype; the band-pass has 2 n poles. Three is the lowest order that meets class 1.
 const ORDER: i32 = 3;
 
 /// The band filter of a class 1 instrument: Butterworth (IEC 61260-1:2014).
@@ -10,7 +10,7 @@ const ORDER: i32 = 3;
 /// |H|^2 = 1 / (1 + x^{2n})      x = (f/f_m - f_m/f) / (f_2/f_m - f_m/f_2)      n = 3
 /// ```
 ///
-/// Neighbouring filters overlap, so that the sum of the bands slightly exceeds the total. Use it to compare with an
+/// Adjacent filters overlap, so the sum of the bands slightly exceeds the total. Use it for comparison with an
 /// instrument, and [`SourceSpectrum::band_levels`] for everything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandFilter {
@@ -26,17 +26,17 @@ impl BandFilter {
         1.0 / (1.0 + x.powi(2 * ORDER))
     }
 
-    /// Attenuation -10 lg |H|² at the frequency `hz` \[dB\]; the standard's relative attenuation.
+    /// Attenuation -10 lg |H|² at the frequency `hz` \[dB\]: the relative attenuation of the standard.
     pub fn attenuation_db(&self, hz: f64) -> f64 {
         -10.0 * self.energy_factor(hz).log10()
     }
 }
 
 impl SourceSpectrum {
-    /// Levels measured by class 1 filters in the bands of the range, [`bands_of`], for the part of the spectrum inside
-    /// it.
+    /// Levels measured by class 1 filters in the bands of a range (see [`bands_of`]), for the part of the spectrum
+    /// inside it.
     ///
-    /// The filter is taken at the spectrum's frequencies, which must be dense within the narrowest band.
+    /// The filter is evaluated at the spectrum's frequencies, which must be dense within the narrowest band.
     pub fn filter_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
         let weights = |weighting| energy_weights(&self.frequency, range_hz, weighting);
         let (z, a) = (weights(Weighting::Z), weights(Weighting::A));

@@ -21,14 +21,14 @@ pub enum FourierError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The analysed range is empty or reaches above half the sampling frequency.
+    /// The analysed range is empty or extends above half the sampling frequency.
     #[error("the range {low} to {high} Hz is empty or reaches above {nyquist} Hz, half the sampling frequency")]
     Range {
         /// Lower end \[Hz\].
         low: f64,
         /// Upper end \[Hz\].
         high: f64,
-        /// Highest frequency the samples can carry \[Hz\].
+        /// Highest frequency the samples can represent \[Hz\].
         nyquist: f64,
     },
     /// A record is too short to be transformed.
@@ -38,7 +38,7 @@ pub enum FourierError {
         what: &'static str,
         /// Its number of samples.
         found: usize,
-        /// The least number of samples.
+        /// The minimum number of samples.
         needed: usize,
     },
 }
@@ -50,12 +50,13 @@ pub struct TransformSettings {
     pub range_hz: [f64; 2],
     /// Length of the cosine taper at the end of the record \[s\].
     pub taper: f64,
-    /// Smallest ratio of transform length to record length; from 2 up, the samples of |X|² determine it everywhere.
+    /// Smallest ratio of transform length to record length; from 2 upwards, the samples of |X|² determine it
+    /// everywhere.
     pub padding: f64,
 }
 
 impl Default for TransformSettings {
-    /// 20 Hz to 10 kHz, 5 ms of taper, padded to twice the record.
+    /// 20 Hz to 10 kHz, a taper of 5 ms, padded to twice the record.
     fn default() -> Self {
         Self {
             range_hz: [20.0, 10_000.0],
@@ -95,11 +96,11 @@ impl std::fmt::Debug for Transform {
 }
 
 impl Transform {
-    /// A transform for records of `samples` values at intervals of `sample_interval` \[s\].
+    /// Plans a transform for records of `samples` values at intervals of `sample_interval` \[s\].
     ///
     /// # Errors
-    /// A record of fewer than 8 samples, an interval or padding that is not positive, a range beyond half the sampling
-    /// frequency.
+    /// If a record has fewer than 8 samples, an interval or padding is not positive, or the range exceeds half the
+    /// sampling frequency.
     pub fn new(samples: usize, sample_interval: f64, settings: &TransformSettings) -> Result<Self, FourierError> {
         positive("sample interval [s]", sample_interval)?;
         positive("padding", settings.padding)?;
@@ -131,7 +132,7 @@ impl Transform {
         })
     }
 
-    /// Distance of the bins \[Hz\].
+    /// Spacing of the bins \[Hz\].
     pub fn resolution(&self) -> f64 {
         1.0 / (self.fft.len() as f64 * self.sample_interval)
     }
@@ -145,12 +146,12 @@ impl Transform {
     /// X(f) of the tapered, zero-padded record at [`Self::frequencies`]; unit of x times seconds.
     ///
     /// # Errors
-    /// A record of another length than planned, values that are not finite.
+    /// If the record's length differs from the planned one, or values are not finite.
     pub fn apply(&self, record: &[f64]) -> Result<Vec<Complex<f64>>, FourierError> {
         self.apply_in(record, &mut self.work())
     }
 
-    /// Memory for [`Self::apply_in`].
+    /// Workspace for [`Self::apply_in`].
     pub(crate) fn work(&self) -> Work {
         Work {
             padded: self.fft.make_input_vec(),
@@ -159,7 +160,7 @@ impl Transform {
         }
     }
 
-    /// [`Self::apply`] with memory that is reused for several records.
+    /// Same as [`Self::apply`] with a workspace that is reused for several records.
     pub(crate) fn apply_in(&self, record: &[f64], work: &mut Work) -> Result<Vec<Complex<f64>>, FourierError> {
         same_length("record", record.len(), self.samples)?;
         finite("record", record)?;
@@ -175,7 +176,7 @@ impl Transform {
         for (x, w) in padded[start..self.samples].iter_mut().zip(&self.taper) {
             *x *= w;
         }
-        // The only error is a wrong buffer length, and all buffers are the plan's own.
+        // The only possible error is a wrong buffer length, and all buffers come from the plan.
         self.fft
             .process_with_scratch(padded, spectrum, scratch)
             .map_err(|_| InputError::Length {
@@ -190,13 +191,13 @@ impl Transform {
     }
 }
 
-/// A uniform record after a linear filter, y = IFFT\[H(f) X(f)\], at the instants of the record.
+/// A uniform record after a linear filter, y = IFFT\[H(f) X(f)\], at the times of the record.
 ///
 /// `response` is H at a frequency f >= 0 \[Hz\]. The record is padded with zeros to `padding` times its length. The
-/// decay of the filter after the record's end then does not wrap around to its beginning.
+/// filter's decay after the end of the record then does not wrap around to its beginning.
 ///
 /// # Errors
-/// A record of fewer than 8 samples, values that are not finite, an interval or padding that is not positive.
+/// If the record has fewer than 8 samples, values are not finite, or an interval or padding is not positive.
 pub fn filtered(
     record: &[f64],
     sample_interval: f64,
@@ -229,7 +230,7 @@ pub fn filtered(
     for (k, x) in spectrum.iter_mut().enumerate() {
         *x *= response(k as f64 * df) / length as f64;
     }
-    // The mean and the Nyquist term of a real record are real; the phase of a response there is meaningless.
+    // The mean and the Nyquist term of a real record are real; the phase of a response is meaningless there.
     let last = spectrum.len() - 1;
     spectrum[0].im = 0.0;
     spectrum[last].im = 0.0;

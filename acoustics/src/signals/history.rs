@@ -3,11 +3,11 @@ use serde::{Deserialize, Serialize};
 
 /// A-weighted sound power over time on uniform cells.
 ///
-/// Cell n is the mean power between `start` + (n - 1/2) dt and `start` + (n + 1/2) dt, so that sums over the cells are
-/// energies and nothing is lost between them.
+/// Cell n contains the mean power between `start` + (n - 1/2) dt and `start` + (n + 1/2) dt, so sums over the cells are
+/// energies without gaps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PowerHistory {
-    /// Time of the middle of the first cell \[s\].
+    /// Midpoint of the first cell \[s\].
     pub start: f64,
     /// Length of a cell \[s\].
     pub sample_interval: f64,
@@ -16,7 +16,7 @@ pub struct PowerHistory {
 }
 
 impl PowerHistory {
-    /// The history times a factor, which may be negative.
+    /// The history multiplied by a factor, which may be negative.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -25,15 +25,15 @@ impl PowerHistory {
         }
     }
 
-    /// Energy of the whole history \[J\].
+    /// Energy of the complete history \[J\].
     pub fn total(&self) -> f64 {
         self.power.iter().sum::<f64>() * self.sample_interval
     }
 
-    /// Energies \[J\] between neighbouring `edges` \[s\], which must not decrease. They add up to [`Self::total`]:
+    /// Energies between adjacent `edges` \[J\]; the edges \[s\] must not decrease. They add up to [`Self::total`]:
     /// energy before the first edge belongs to the first interval, energy after the last edge to the last.
     ///
-    /// A cell that an edge cuts is divided by time.
+    /// A cell cut by an edge is divided in proportion to time.
     pub fn energies_between(&self, edges: &[f64]) -> Vec<f64> {
         let intervals = edges.len().saturating_sub(1);
         if intervals == 0 {
@@ -46,7 +46,7 @@ impl PowerHistory {
             let end = self.start + (n as f64 + 0.5) * dt;
             let mut left = 1.0;
             while at + 1 < intervals && edges[at + 1] < end {
-                // Fraction of the rest of the cell that lies before the edge.
+                // Fraction of the remainder of the cell that lies before the edge.
                 let before = (left - (end - edges[at + 1]) / dt).clamp(0.0, left);
                 energies[at] += before * power * dt;
                 left -= before;
@@ -57,8 +57,8 @@ impl PowerHistory {
         energies
     }
 
-    /// The history of the sum of sources, in `cells` cells of `sample_interval` \[s\] from `start` \[s\] on; it
-    /// preserves the energy of the given histories there.
+    /// The sum of the histories of several sources, in `cells` cells of `sample_interval` \[s\] starting at `start`
+    /// \[s\]; the total energy of the given histories is preserved.
     pub fn sum(histories: &[Self], start: f64, sample_interval: f64, cells: usize) -> Self {
         let edges: Vec<f64> = (0..=cells + 2)
             .map(|n| start + (n as f64 - 1.5) * sample_interval)
@@ -92,7 +92,7 @@ pub struct IntervalLevels {
     pub energy: f64,
     /// Level L_WA,1s of `energy` \[dB re 1 pW s\].
     pub lwa: Level,
-    /// A-weighted energy of the signal cut at the ends of the interval \[J\].
+    /// A-weighted energy of the signal windowed to the interval \[J\].
     pub cut_energy: f64,
     /// Level L_WA,1s of `cut_energy` \[dB re 1 pW s\].
     pub lwa_cut: Level,
@@ -111,7 +111,7 @@ impl IntervalLevels {
         }
     }
 
-    /// Intervals with energies times a factor, which may be negative.
+    /// Intervals with energies multiplied by a factor, which may be negative.
     pub fn scaled(intervals: &[Self], factor: f64) -> Vec<Self> {
         let scaled = |own: &Self| Self::new(own.from, own.to, factor * own.energy, factor * own.cut_energy);
         intervals.iter().map(scaled).collect()

@@ -5,12 +5,12 @@
 /// Reference sound energy: 1 pW over 1 s \[J\].
 pub const REFERENCE_ENERGY: f64 = 1e-12;
 
-/// Energy below which a source is silent \[J\]: k_B T at 20 °C, the thermal energy of a single degree of freedom of the
-/// air, 84 dB below the reference. Rounding errors of a computed zero are far smaller, and any audible sound is far
-/// larger.
+/// Energy below which a source counts as silent \[J\]: k_B T at 20 °C, the thermal energy of a single degree of freedom
+/// of the air, 84 dB below the reference. Rounding errors of a computed zero are far smaller, and any audible sound is
+/// far larger.
 pub const SILENCE: f64 = 1.380_649e-23 * 293.15;
 
-/// A level in decibels; a source that radiates nothing has none.
+/// A level in decibels; none for a source that radiates nothing.
 pub type Level = Option<f64>;
 
 /// Single-event sound power level of a sound energy \[J\]; `None` for [silence](SILENCE).

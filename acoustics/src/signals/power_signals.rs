@@ -11,13 +11,13 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Samples taken of the highest bin's period: 4 let |x|² be sampled without aliasing.
+/// Number of samples per period of the highest bin; with 4, |x|² is sampled without aliasing.
 const OVERSAMPLING: usize = 4;
 
-/// Length of a measured cut after padding \[s\].
+/// Length of a windowed section after padding \[s\].
 const CUT_LENGTH: f64 = 1.0;
 
-/// Signals per task. A fixed number makes the order of summation independent of the number of threads.
+/// Number of signals per task. A fixed number makes the order of summation independent of the number of threads.
 const CHUNK: usize = 8;
 
 /// Signals whose sum of squares is the power radiated by a source.
@@ -26,11 +26,11 @@ const CHUNK: usize = 8;
 /// x(t) = F^-1[H_A L^H V]      W_A(t) = |x(t)|^2      R = L L^H
 /// ```
 ///
-/// Every bin has exactly the energy of the source's spectrum. The range and weighting enter as the
-/// [weights](energy_weights) that integrate this spectrum. By Parseval's theorem the integral of the power over time
-/// equals that of the spectrum over frequency, to rounding. The weighting has the phase of its causal filter, so that a
-/// signal does not precede its cause. L is real on the frequency axis (Hermitian in general) and spreads a signal
-/// symmetrically in time, as do the ends of the range.
+/// Every bin has exactly the energy given by the source's spectrum. Range and weighting enter through the
+/// [weights](energy_weights) used to integrate this spectrum. By Parseval's theorem the integral of the power over time
+/// equals that of the spectrum over frequency, to rounding. The weighting has the phase of its causal filter, so that
+/// no signal precedes its cause. L is real on the frequency axis (in general Hermitian) and spreads a signal
+/// symmetrically in time; so do the ends of the frequency range.
 ///
 /// The bins are those of a record padded to at least twice its length
 /// ([`TransformSettings`](super::fourier::TransformSettings)). Time runs from minus a quarter of the transform's period
@@ -42,7 +42,7 @@ pub struct PowerSignals {
     resolution: f64,
     /// Signals x bins.
     spectra: DMatrix<Complex<f64>>,
-    /// Factor of the signals in every bin, with which 2 |x|² = E.
+    /// Factor on the signals in each bin that makes 2 |x|² = E.
     factors: Vec<Complex<f64>>,
     mismatch: f64,
 }
@@ -57,13 +57,13 @@ pub struct SignalAnalysis {
 }
 
 impl PowerSignals {
-    /// Signals (rows of `spectra`) on the bins of a source's spectrum, with E = 2 |x|² up to a bin's own factor.
+    /// Creates signals (rows of `spectra`) on the bins of a source's spectrum, with E = 2 |x|² up to a factor per bin.
     ///
-    /// The factor is removed in each bin: `spectra` determine the time dependence of the energy of a bin, the spectrum
-    /// its amount. [`Self::mismatch`] is the total of the corrections.
+    /// The factor is removed: `spectra` determine how a bin's energy varies over time, the spectrum its amount.
+    /// [`Self::mismatch`] sums up the corrections.
     ///
     /// # Errors
-    /// Another number of bins than the spectrum's; frequencies that are not multiples of one bin width.
+    /// If the number of bins differs from the spectrum's, or frequencies are not multiples of a common bin width.
     pub fn new(spectrum: &SourceSpectrum, spectra: DMatrix<Complex<f64>>) -> Result<Self, LevelsError> {
         let frequency = spectrum.frequency.clone();
         same_length("bins of the signals", spectra.ncols(), frequency.len())?;
@@ -87,7 +87,7 @@ impl PowerSignals {
         })
     }
 
-    /// All signals times a factor of magnitude 1.
+    /// Multiplies all signals by a factor of magnitude 1.
     #[must_use]
     pub(crate) fn turned(mut self, phase: Complex<f64>) -> Self {
         self.factors.iter_mut().for_each(|factor| *factor *= phase);
@@ -109,8 +109,8 @@ impl PowerSignals {
         &self.frequency
     }
 
-    /// A single signal with the energy of all, for example for a sound file: in every bin the total energy with the
-    /// phase of the sum of the signals. If there is one signal, the result is that signal.
+    /// A single signal with the energy of all, for example for a sound file: each bin has the total energy and the
+    /// phase of the sum of the signals. A single signal is returned unchanged.
     pub fn combined_signal(&self) -> Vec<Complex<f64>> {
         let of_bin = |(bin, factor): (nalgebra::DVectorView<'_, Complex<f64>>, &Complex<f64>)| {
             let amplitude = bin.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
@@ -119,12 +119,12 @@ impl PowerSignals {
         self.spectra.column_iter().zip(&self.factors).map(of_bin).collect()
     }
 
-    /// A-weighted power over time and levels between neighbouring `edges` \[s\], within `range_hz`.
+    /// A-weighted power over time, and levels between adjacent `edges` \[s\], within `range_hz`.
     ///
     /// In addition to the energies, which add up, each interval has the level that a measurement would give. The
-    /// unweighted signal, limited to the range, is cut at the ends of the interval, padded with zeros to 1 s,
-    /// transformed, weighted and summed over the range. The cuts add energy. The first interval extends back to the
-    /// start of the history and the last one to its end.
+    /// unweighted signal, limited to the range, is windowed to the interval, padded with zeros to 1 s, transformed,
+    /// weighted and summed over the range. The sharp edges of the window add energy. The first interval extends back to
+    /// the start of the history and the last one to its end.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
         let work = Work::new(self, edges, range_hz);
         let first: Vec<usize> = (0..self.signals()).step_by(CHUNK).collect();
@@ -148,7 +148,7 @@ impl PowerSignals {
     }
 }
 
-/// Number of the first bin and bin width \[Hz\].
+/// Index of the first bin, and bin width \[Hz\].
 fn bins(frequency: &[f64]) -> Result<(usize, f64), LevelsError> {
     let (Some(&low), Some(&high)) = (frequency.first(), frequency.last()) else {
         return Ok((1, 1.0));
@@ -174,7 +174,7 @@ struct Work {
     /// Samples before t = 0.
     before: usize,
     inverse: Arc<dyn ComplexToReal<f64>>,
-    /// Amplitude factors of the bins, weighted and not.
+    /// Amplitude factors of the bins, with and without weighting.
     weighted: Vec<Complex<f64>>,
     plain: Vec<Complex<f64>>,
     cuts: Vec<Cut>,
@@ -185,34 +185,34 @@ struct Cut {
     /// Half-open range of samples.
     from: usize,
     to: usize,
-    /// The energy over the range as a sum over the bins of a transform of at least twice the piece's length; the
-    /// weights are those of the piece padded to 1 s ([`MeasuredSum`]).
+    /// The energy over the range as a sum over the bins of a transform of at least twice the section's length; its
+    /// weights are equivalent to those of the section padded to 1 s ([`MeasuredSum`]).
     transform: Arc<dyn RealToComplex<f64>>,
     weights: Vec<f64>,
 }
 
-/// The weighted sum over the bins of a padded transform, for pieces that are much shorter than the padding.
+/// The weighted sum over the bins of a padded transform, for sections much shorter than the padding.
 ///
 /// ```text
 /// sum_k v_k |X_k|^2 = sum_tau r(tau) w(tau)        w = DFT of v, N long;  r the piece's autocorrelation
 ///                   = sum_m q_m |Y_m|^2       q = DFT of w over |tau| < L, over M;  Y transform of the piece, M >= 2 L
 /// ```
 ///
-/// r vanishes for lags of the piece's length L and more, so that both sums are equal, and the second needs a transform
-/// of M = 2 L points instead of N = 1 s.
+/// r vanishes for lags of at least the section's length L, so both sums are equal, and the second needs a transform of
+/// only M = 2 L points instead of N = 1 s.
 struct MeasuredSum {
     /// w(tau) for 0 <= tau < N, periodic.
     lags: Vec<f64>,
 }
 
 impl MeasuredSum {
-    /// `weights` are those of the bins 0 to N/2 of N points.
+    /// `weights` are those of bins 0 to N/2 of an N-point transform.
     fn new(points: usize, weights: &[f64], planner: &mut RealFftPlanner<f64>) -> Self {
         let transform = planner.plan_fft_inverse(points);
         let mut spectrum = transform.make_input_vec();
         let last = spectrum.len() - 1;
         for (k, (v, weight)) in spectrum.iter_mut().zip(weights).enumerate() {
-            // A bin between the ends represents two of the two-sided sum.
+            // An inner bin represents two bins of the two-sided sum.
             let alone = k == 0 || (k == last && points.is_multiple_of(2));
             *v = Complex::from(if alone { *weight } else { 0.5 * weight });
         }
@@ -222,7 +222,7 @@ impl MeasuredSum {
         Self { lags }
     }
 
-    /// Transform and weights of its bins for a piece of `length` samples.
+    /// Transform, and weights of its bins, for a section of `length` samples.
     fn of(&self, length: usize, planner: &mut RealFftPlanner<f64>) -> (Arc<dyn RealToComplex<f64>>, Vec<f64>) {
         let points = fast_length(2 * length.max(1));
         let transform = planner.plan_fft_forward(points);
@@ -258,7 +258,7 @@ impl Work {
             let bins = weights.into_iter().zip(&signals.frequency).zip(&signals.factors);
             let amplitude = bins.enumerate().map(|(i, ((w, &hz), factor))| {
                 let response = weighting.response(hz);
-                // Later by the samples before t = 0.
+                // Delayed by the samples before t = 0.
                 let turns = (signals.first + i) * before % samples;
                 let later = Complex::from_polar((w / df).sqrt() * df, -TAU * turns as f64 / samples as f64);
                 factor * later * (response / response.norm())
@@ -299,7 +299,7 @@ impl Work {
         }
     }
 
-    /// Power and cut energies of some of the signals.
+    /// Power and windowed energies of some of the signals.
     fn chunk(&self, signals: &PowerSignals, rows: Range<usize>) -> (Vec<f64>, Vec<f64>) {
         let (mut power, mut cut) = (vec![0.0; self.samples], vec![0.0; self.cuts.len()]);
         let mut x = vec![0.0; self.samples];
@@ -323,7 +323,7 @@ impl Work {
                 for ((to, value), factor) in spectrum[signals.first..].iter_mut().zip(values).zip(factors) {
                     *to = value * factor;
                 }
-                // The buffers are those of the plan and the ends are zero, so the transform cannot fail.
+                // The buffers come from the plan and the end bins are real, so the transform cannot fail.
                 let done = self.inverse.process_with_scratch(&mut spectrum, x, &mut scratch);
                 debug_assert!(done.is_ok());
             };
@@ -353,7 +353,7 @@ impl Work {
 mod tests {
     use super::*;
 
-    /// The definition: the piece padded to all points, transformed, weighted and summed.
+    /// The definition: the section padded to all points, transformed, weighted and summed.
     fn padded_sum(piece: &[f64], points: usize, weights: &[f64], planner: &mut RealFftPlanner<f64>) -> f64 {
         let transform = planner.plan_fft_forward(points);
         let mut padded = transform.make_input_vec();

@@ -2,7 +2,7 @@ use std::borrow::Borrow;
 
 use super::{Level, SourceSpectrum, Weighting, energy_level};
 
-/// Range for the comparison of sources, unless the design sets another one \[Hz\].
+/// Frequency range in which sources are compared, unless the design sets another one \[Hz\].
 pub const COMMON_RANGE_HZ: [f64; 2] = [50.0, 10_000.0];
 
 /// Levels of a source over the common range.
@@ -18,10 +18,10 @@ pub struct RankedSource {
     pub share: Option<f64>,
 }
 
-/// Sources, loudest first, and their sum.
+/// Sources in descending order of level, and their sum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
-    /// The sources by falling A-weighted energy; silent ones last, ties in the order given.
+    /// The sources in descending order of A-weighted energy; silent ones last, ties in the original order.
     pub sources: Vec<RankedSource>,
     /// A-weighted level of the energy sum over the common range.
     pub total_lwa: Level,
@@ -29,9 +29,10 @@ pub struct Ranking {
     pub total_lw: Level,
 }
 
-/// Ranks sources by their A-weighted energy over one common range.
+/// Ranks sources by their A-weighted energy over a common range.
 ///
-/// Energies add, because the sources are mutually incoherent. Parts that move coherently must be in one spectrum.
+/// Energies add, because the sources are mutually incoherent. Parts that vibrate coherently must be in the same
+/// spectrum.
 pub fn rank<S: Borrow<SourceSpectrum>>(spectra: &[S], range_hz: [f64; 2]) -> Ranking {
     let energies = |w| -> Vec<f64> { spectra.iter().map(|s| s.borrow().energy(range_hz, w)).collect() };
     let (a, z) = (energies(Weighting::A), energies(Weighting::Z));

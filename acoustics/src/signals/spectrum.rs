@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 pub struct Contribution {
     /// Name of the part: a surface patch or a mechanism.
     pub name: String,
-    /// Energy density \[J/Hz\] on the frequencies of the spectrum. Negative where a patch absorbs the sound of others.
+    /// Energy density \[J/Hz\] on the frequencies of the spectrum. Negative where a patch absorbs sound from others.
     pub energy_density: Vec<f64>,
 }
 
@@ -24,13 +24,13 @@ pub struct SourceSpectrum {
     pub source: String,
     /// Label of the method, shown with every result.
     pub method: String,
-    /// Frequencies \[Hz\], rising.
+    /// Frequencies \[Hz\], ascending.
     pub frequency: Vec<f64>,
     /// Energy spectral density E(f) \[J/Hz\].
     pub energy_density: Vec<f64>,
     /// Range over which the source was computed \[Hz\].
     pub range_hz: [f64; 2],
-    /// Parts that add up to `energy_density`; empty where the source has none.
+    /// Parts that add up to `energy_density`; empty if the source has none.
     pub contributions: Vec<Contribution>,
 }
 
@@ -39,7 +39,7 @@ pub struct SourceSpectrum {
 pub struct BandLevel {
     /// The band.
     pub band: Band,
-    /// Energy inside the band and the range asked for \[J\].
+    /// Energy within both the band and the requested range \[J\].
     pub energy: f64,
     /// Unweighted level L_W,1s \[dB re 1 pW s\].
     pub lw: Level,
@@ -53,7 +53,7 @@ impl SourceSpectrum {
     /// A spectrum without contributions.
     ///
     /// # Errors
-    /// Lengths that differ, values that are not finite, frequencies that do not rise.
+    /// If lengths differ, values are not finite, or frequencies are not ascending.
     pub fn new(
         source: impl Into<String>,
         method: impl Into<String>,
@@ -80,10 +80,10 @@ impl SourceSpectrum {
         })
     }
 
-    /// The spectrum without a part of it on the same frequencies; that part becomes a separate contribution, negative.
+    /// Subtracts a part given on the same frequencies, which becomes a separate, negative contribution.
     ///
     /// # Errors
-    /// Another number of frequencies than the spectrum's.
+    /// If the number of frequencies differs from the spectrum's.
     pub fn without(&self, part: &Self) -> Result<Self, LevelsError> {
         same_length("energy density of the part", part.frequency.len(), self.frequency.len())?;
         let taken: Vec<f64> = part.energy_density.iter().map(|energy| -energy).collect();
@@ -111,7 +111,7 @@ impl SourceSpectrum {
         }
     }
 
-    /// Energy \[J\] between the two frequencies, weighted under the integral.
+    /// Energy between two frequencies \[J\], with the weighting applied under the integral.
     pub fn energy(&self, range_hz: [f64; 2], weighting: Weighting) -> f64 {
         integrate(&self.frequency, &self.energy_density, range_hz, weighting)
     }
@@ -121,7 +121,7 @@ impl SourceSpectrum {
         energy_level(self.energy(range_hz, weighting))
     }
 
-    /// Energies \[J\] of the contributions between the two frequencies; they add up to [`Self::energy`].
+    /// Energies of the contributions between two frequencies \[J\]; they add up to [`Self::energy`].
     pub fn contribution_energies(&self, range_hz: [f64; 2], weighting: Weighting) -> Vec<(String, f64)> {
         let of = |part: &Contribution| integrate(&self.frequency, &part.energy_density, range_hz, weighting);
         self.contributions
@@ -130,7 +130,7 @@ impl SourceSpectrum {
             .collect()
     }
 
-    /// The bands of the range, [`bands_of`]. A band cut by the ends of `range_hz` contains the energy of its part
+    /// Levels in the bands of the range, see [`bands_of`]. A band cut by an end of `range_hz` contains only the energy
     /// inside, so that the bands add up to [`Self::energy`] to round-off.
     pub fn band_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
         let level_of = |band: Band| {
@@ -147,9 +147,9 @@ impl SourceSpectrum {
         bands_of(range_hz).into_iter().map(level_of).collect()
     }
 
-    /// Sum of the spectra of independent parts on the union of their frequencies, where the sum of piecewise linear
-    /// functions is exact. A part that ends before the others falls to zero within one rounding step of its last
-    /// frequency, so that none of its energy is smeared beyond. The parts become the contributions. The range is the
+    /// Sum of the spectra of independent parts on the union of their frequencies, on which the sum of piecewise linear
+    /// functions is exact. A part that ends before the others drops to zero within one rounding step of its last
+    /// frequency, so that its energy does not extend beyond. The parts become the contributions. The range is the
     /// intersection of their ranges.
     pub fn sum(source: impl Into<String>, method: impl Into<String>, parts: &[Self]) -> Self {
         let ends = |part: &Self| Some([part.frequency.first()?.next_down(), part.frequency.last()?.next_up()]);
@@ -203,7 +203,7 @@ fn interpolate(frequency: &[f64], density: &[f64], hz: f64) -> f64 {
     }
 }
 
-/// The Gauss rule of a piece.
+/// Gauss rule for one piece.
 static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(3));
 
 /// Integral of a piecewise linear density times the weighting over `range`.
@@ -215,14 +215,14 @@ fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Wei
     total
 }
 
-/// Weights w_k with which the energy of a spectrum is a sum over its frequencies.
+/// Weights w_k with which the energy of a spectrum becomes a sum over its frequencies.
 ///
 /// ```text
 /// int E(f) 10^{A(f)/10} df = sum_k w_k E(f_k)
 /// ```
 ///
-/// The integral is that of [`SourceSpectrum::energy`], E linear between the frequencies: w_k is the weighted integral
-/// of the hat function of f_k over `range`, whose ends may cut it.
+/// The integral is that of [`SourceSpectrum::energy`] with E piecewise linear: w_k is the weighted integral of the hat
+/// function of f_k over `range`, whose ends may cut it.
 pub fn energy_weights(frequency: &[f64], range: [f64; 2], weighting: Weighting) -> Vec<f64> {
     let mut weights = vec![0.0; frequency.len()];
     pieces(frequency, range, weighting, |i, lower, upper| {
@@ -232,11 +232,11 @@ pub fn energy_weights(frequency: &[f64], range: [f64; 2], weighting: Weighting) 
     weights
 }
 
-/// Calls `add(i, lower, upper)` with weighted integrals of the falling and the rising hat function on pieces of the
+/// Calls `add(i, lower, upper)` with weighted integrals of the falling and the rising hat function over pieces of
 /// interval i of the frequency grid.
 ///
-/// Every interval is cut at the edges of all one-third-octave bands, whatever the range, and each piece is integrated
-/// by the same Gauss rule: exact for Z, and additive over bands for every weighting.
+/// Every interval is split at the edges of all one-third-octave bands, whatever the range, and each piece is integrated
+/// by the same Gauss rule. The result is exact for Z and additive over bands for every weighting.
 fn pieces(frequency: &[f64], range: [f64; 2], weighting: Weighting, mut add: impl FnMut(usize, f64, f64)) {
     let [low, high] = range;
     if frequency.len() < 2 || low.is_nan() || high.is_nan() || high <= low {

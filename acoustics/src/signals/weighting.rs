@@ -18,11 +18,11 @@ const F4: f64 = 12_194.217;
 /// A_1000 and C_1000 make the weighting 0 dB at 1 kHz; the standard rounds them to -2.000 and -0.062 dB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Weighting {
-    /// A, the ear's at moderate levels.
+    /// A: sensitivity of the ear at moderate levels.
     A,
     /// C, nearly flat.
     C,
-    /// Z, none.
+    /// Z: no weighting.
     Z,
 }
 
@@ -38,7 +38,7 @@ impl Weighting {
         ratio * ratio
     }
 
-    /// The factor on amplitude, with the phase of the causal filter of these poles (IEC 61672-1:2013, annex E).
+    /// The amplitude factor, with the phase of the causal filter with these poles (IEC 61672-1:2013, annex E).
     ///
     /// ```text
     /// H_A(s) ~ s^4 / ((s + w1)^2 (s + w2) (s + w3) (s + w4)^2)        H_C(s) ~ s^2 / ((s + w1)^2 (s + w4)^2)

@@ -167,6 +167,7 @@ fn intervals_of_a_sampled_resistance_sum_to_its_energy() {
         footprint: [[-0.15, 0.15], [-0.05, 0.05]],
         sand: [[-0.45, 0.45], [-0.35, 0.35]],
         shear_speed: 112.0,
+        poisson_ratio: 0.3,
         loss_factor: 0.1,
         to_hz: 1000.0,
     };

@@ -84,6 +84,7 @@ fn pressures_far_above_a_plane_carry_the_resistance() {
         footprint: [[-0.2, 0.2], [-0.08, 0.08]],
         sand: [[-0.4, 0.4], [-0.3, 0.3]],
         shear_speed: 112.0,
+        poisson_ratio: 0.3,
         loss_factor: 0.1,
         to_hz: 900.0,
     };

@@ -1,12 +1,11 @@
-//! Files of other formats by their first bytes, so that a refusal names the format of a file instead of showing its
-//! bytes.
+//! Recognises other file formats by their first bytes, so that an error names the format instead of showing raw bytes.
 
-/// A format that is not read.
+/// A format that this program does not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Foreign {
     /// The name of the format.
     pub name: &'static str,
-    /// How to turn it into one that is read.
+    /// How to convert a file to a format that can be read.
     pub remedy: &'static str,
 }
 
@@ -15,7 +14,7 @@ const EXPORT: &str =
     "export the recording as WAV, as a universal file with datasets 58, or as a table (CSV) with a column of times";
 const TABLE: &str = "save the sheet as CSV";
 
-/// First bytes of formats, at an offset.
+/// Signatures: offset, bytes, format, remedy.
 const SIGNATURES: &[(usize, &[u8], &str, &str)] = &[
     (
         0,
@@ -83,7 +82,7 @@ const SIGNATURES: &[(usize, &[u8], &str, &str)] = &[
     ),
 ];
 
-/// The format of a file that cannot be read here; none if it is unknown.
+/// Recognises the format of a file that cannot be read; none if it is unknown.
 pub fn foreign(bytes: &[u8]) -> Option<Foreign> {
     let form = |at: usize| bytes.get(at..at + 4);
     if bytes.starts_with(b"FORM") && !matches!(form(8), Some(b"AIFF" | b"AIFC")) {

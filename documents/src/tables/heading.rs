@@ -1,4 +1,4 @@
-//! Headings of columns: a name and, in brackets, after a slash or in the row below, a unit.
+//! Column headings: a name and a unit, which is in brackets, after a slash or in the row below.
 
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{FORCE, TIME};
@@ -6,15 +6,15 @@ use nailnoise_quantities::dimension::{FORCE, TIME};
 use super::label::{dimension_of, si_of};
 use super::number::number;
 
-/// Names of a column of times, in lower case.
+/// Lower-case names of a time column.
 const TIMES: [&str; 6] = ["t", "time", "times", "zeit", "x_value", "timestamp"];
 
-/// A quantity that a column is looked for by.
+/// A quantity to find among the columns.
 #[derive(Debug, Clone, Copy)]
 pub struct ColumnOf {
-    /// Its name in small letters.
+    /// Its name in lower case.
     pub name: &'static str,
-    /// Of its numbers.
+    /// Dimension of its values.
     pub dimension: Dimension,
 }
 
@@ -23,14 +23,14 @@ pub struct ColumnOf {
 pub struct Heading {
     /// The complete heading.
     pub text: String,
-    /// Without unit.
+    /// The name without the unit.
     pub name: String,
     /// The unit; empty if there is none.
     pub unit: String,
 }
 
 impl Heading {
-    /// Reads `N [g]`, `N (g)`, `p / Pa`, `time_ms`.
+    /// Parses headings such as `N [g]`, `N (g)`, `p / Pa` and `time_ms`.
     pub fn of(field: &str) -> Self {
         let text = field.trim().to_owned();
         let bracket = [('[', ']'), ('(', ')'), ('{', '}')]
@@ -66,22 +66,22 @@ impl Heading {
         }
     }
 
-    /// Whether it names a column of times.
+    /// Whether the heading names a time column.
     pub fn is_time(&self) -> bool {
         let name = self.name.to_lowercase();
         TIMES.contains(&name.as_str()) || name.starts_with("time ")
     }
 
-    /// Whether it names a column of this quantity: `depth_mm`, `Depth [mm]`, `force / kN`.
+    /// Whether the heading names this quantity: `depth_mm`, `Depth [mm]`, `force / kN`.
     pub fn is_of(&self, of: ColumnOf) -> bool {
         let own = self.name.to_lowercase();
         own == of.name || (of.dimension == TIME && self.is_time()) || suffix(&own, of).is_some()
     }
 
-    /// SI units in a unit of its numbers; 1 without a unit.
+    /// Factor from the unit of the column to SI; 1 without a unit.
     ///
     /// # Errors
-    /// The fault of the unit.
+    /// A description of the error in the unit.
     pub fn factor(&self, of: ColumnOf) -> Result<f64, String> {
         match suffix(&self.name.to_lowercase(), of) {
             Some(factor) if self.unit.is_empty() => Ok(factor),
@@ -90,18 +90,18 @@ impl Heading {
         }
     }
 
-    /// Whether it is a number, so that a table has no headings.
+    /// Whether the heading is a number, in which case the table has no headings.
     pub(super) fn is_number(&self) -> bool {
         number(&self.text).is_some()
     }
 
-    /// Whether its unit is one of time.
+    /// Whether the unit is a unit of time.
     pub(super) fn is_in_time(&self) -> bool {
         !self.unit.is_empty() && si_of(&self.unit, TIME).is_ok()
     }
 }
 
-/// The unit after the name of a column in small letters: `depth_mm`, `force_kn`.
+/// Factor to SI of a unit appended to the name of a column: `depth_mm`, `force_kn`.
 fn suffix(name: &str, of: ColumnOf) -> Option<f64> {
     let unit = name.strip_prefix(of.name)?.strip_prefix('_')?;
     let unit = if of.dimension == FORCE {
@@ -112,7 +112,7 @@ fn suffix(name: &str, of: ColumnOf) -> Option<f64> {
     si_of(&unit, of.dimension).ok()
 }
 
-/// Column of times: the one that is named so, else the only one whose unit is one of time.
+/// Index of the time column: the one named so, or else the only one in a unit of time.
 pub fn time(headings: &[Heading]) -> Option<usize> {
     headings.iter().position(Heading::is_time).or_else(|| {
         let mut found = headings.iter().enumerate().filter(|(_, heading)| heading.is_in_time());

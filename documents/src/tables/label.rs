@@ -2,7 +2,7 @@
 
 use nailnoise_quantities::{Dimension, QuantityError, dimension, quantity};
 
-/// Words for units that the International System writes otherwise, in lower case.
+/// Lower-case words for units, with their SI spelling.
 const WORDS: &[(&str, &str)] = &[
     ("sec", "s"),
     ("secs", "s"),
@@ -46,7 +46,7 @@ const WORDS: &[(&str, &str)] = &[
     ("gn", "g"),
 ];
 
-/// A label in the spelling of the design file: without brackets, words as symbols, `**` as `^`.
+/// Rewrites a label as in the design file: without brackets, with symbols for words and `^` for `**`.
 pub fn spelled(label: &str) -> String {
     let label = label.trim();
     let inner = [('(', ')'), ('[', ']'), ('{', '}')]
@@ -74,7 +74,7 @@ pub fn spelled(label: &str) -> String {
         text.push_str(&more[..end]);
         rest = &more[end..];
     }
-    // "^-²" was "⁻²".
+    // `⁻²` has become `^-²`.
     text.replace("^-²", "^-2").replace("^-³", "^-3")
 }
 
@@ -94,13 +94,13 @@ fn is_letter(letter: char) -> bool {
     letter.is_alphabetic() || letter == 'µ'
 }
 
-/// The dimension of a label; none if it is not a unit.
+/// The dimension of a label; none if the label is not a unit.
 pub fn dimension_of(label: &str) -> Option<Dimension> {
     let unit = spelled(label);
     if unit.is_empty() || unit.starts_with(|letter: char| letter.is_ascii_digit()) {
         return None;
     }
-    // The error names the dimension that was found; this one does not need a unit here.
+    // The error names the dimension found; the expected dimension is a dummy that needs no unit here.
     match quantity(&format!("1 {unit}"), dimension::HEAT_TRANSFER, false) {
         Ok(_) => Some(dimension::HEAT_TRANSFER),
         Err(QuantityError::Dimension { found, .. }) => Some(found),
@@ -108,10 +108,10 @@ pub fn dimension_of(label: &str) -> Option<Dimension> {
     }
 }
 
-/// SI units in one unit of a label.
+/// Factor from the unit of a label to SI.
 ///
 /// # Errors
-/// The fault of the label.
+/// A description of the error in the label.
 pub fn si_of(label: &str, dimension: Dimension) -> Result<f64, String> {
     let unit = spelled(label);
     if dimension == dimension::TIME && unit == "S" {

@@ -1,22 +1,22 @@
-//! Places of the headings, the units and the rows of a table, and the separator of its columns.
+//! Locates the headings, units and rows of a table, and its column separator.
 
 use super::heading::Heading;
 use super::label::dimension_of;
 use super::number::number;
 
-/// Separators in the order of trial: a heading or a decimal number may contain a comma.
+/// Separators in the order in which they are tried: a comma may also occur in a heading or a decimal number.
 const SEPARATORS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
-/// Lines of a file within which its headings are looked for.
+/// Number of lines searched for the headings.
 const PREAMBLE: usize = 200;
 
-/// Number of lines after the headings to search for numbers: a row of units and a damaged one may come before it.
+/// Number of lines after the headings searched for numbers: a row of units and one damaged row may precede them.
 const BEHIND: usize = 4;
 
-/// Beginning of the rows.
+/// Beginning of a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Start {
-    /// Byte of the text.
+    /// Byte offset in the text.
     pub(super) byte: usize,
     /// Its line, from 1.
     pub(super) line: usize,
@@ -30,16 +30,16 @@ pub(super) struct Layout {
     pub(super) start: Start,
 }
 
-/// A line that is neither empty nor a comment.
+/// A line that is neither blank nor a comment.
 struct Line<'a> {
     number: usize,
     begin: usize,
-    /// Byte after its end.
+    /// Offset of the byte after its end.
     end: usize,
     text: &'a str,
 }
 
-/// The fields of a line; quotes may enclose a separator.
+/// Splits a line into fields; a separator within quotes does not split.
 pub(super) fn fields(line: &str, separator: u8) -> Vec<String> {
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(separator)
@@ -71,7 +71,7 @@ fn lines(text: &str) -> Vec<Line<'_>> {
     all.filter(content).take(PREAMBLE).collect()
 }
 
-/// `sep=;`, by which Excel is told the separator.
+/// The separator stated by Excel's line `sep=;`.
 fn stated(line: &Line<'_>) -> Option<u8> {
     let mark = line.text.trim().trim_matches('"').to_lowercase();
     match mark.strip_prefix("sep=")?.as_bytes() {
@@ -87,7 +87,7 @@ fn is_numeric(fields: &[String]) -> bool {
     filled().count() > 1 && filled().all(|field| number(field).is_some())
 }
 
-/// Fields without empty ones at the end, which a separator at the end of a line makes.
+/// The fields without trailing empty ones, which a separator at the end of a line produces.
 fn filled(fields: &[String]) -> usize {
     fields
         .iter()
@@ -95,7 +95,7 @@ fn filled(fields: &[String]) -> usize {
         .map_or(0, |last| last + 1)
 }
 
-/// A row of units under the headings: no number, and each field in brackets or a unit.
+/// Whether a row below the headings contains units: no numbers, and each field is bracketed or a unit.
 fn is_units(fields: &[String], columns: usize) -> bool {
     let bracketed = |field: &str| {
         matches!(
@@ -110,9 +110,8 @@ fn is_units(fields: &[String], columns: usize) -> bool {
     (1..=columns).contains(&count) && fields.iter().all(unit)
 }
 
-/// Finds the headings of a table: the first line that `is_header` accepts with numbers close after it, or else that
-/// before the first line of numbers. Failing both, it is the first line that is accepted, so that an error concerns the
-/// content of the file.
+/// Finds the headings of a table: the first line accepted by `is_header` that has numbers soon after it, or else the
+/// line before the first line of numbers.
 pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option<Layout> {
     let mut lines = lines(text);
     let stated = lines.first().and_then(stated);
@@ -140,7 +139,8 @@ pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option
             if columns < 2 || is_numeric(&own) || !is_header(&headings(&own)) {
                 continue;
             }
-            // A line about the instrument may look like headings, as "Time,12:30"; those just before the numbers count.
+            // A line about the instrument, such as "Time,12:30", may look like headings; the last candidate before the
+            // numbers counts.
             let later = (index + 1..=index + BEHIND)
                 .map(|row| split(row, separator))
                 .take_while(|row| !is_numeric(row))
@@ -179,7 +179,7 @@ pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option
     Some(layout(&lines, index, separator))
 }
 
-/// The first line as headings, of the separator that makes most columns of it.
+/// Takes the first line as headings, with the separator that splits it into most columns.
 pub(super) fn first(text: &str) -> Option<Layout> {
     let mut lines = lines(text);
     let stated = lines.first().and_then(stated);

@@ -1,9 +1,9 @@
-//! Tables of numbers as text: the one reader of CSV for recordings, drives and laws.
+//! Tables of numbers as text: the only CSV reader, for recordings, drives and laws.
 //!
-//! A file is in UTF-8, UTF-16 or Windows-1252. Its columns are separated by semicolons, tabs, commas or bars; lines
-//! that begin with `#` are comments, and `sep=;` of Excel is followed. The headings may follow lines about the
-//! instrument and precede a row of units. Numbers have a decimal point, or throughout a decimal comma. [`csv`] splits
-//! the lines into fields.
+//! A file is encoded in UTF-8, UTF-16 or Windows-1252. Columns are separated by semicolons, tabs, commas or bars; lines
+//! that begin with `#` are comments, and Excel's line `sep=;` is honoured. Lines about the instrument may precede the
+//! headings, and a row of units may follow them. A file uses decimal points or decimal commas throughout. [`csv`]
+//! splits the lines into fields.
 
 mod foreign;
 mod heading;
@@ -20,22 +20,22 @@ pub use heading::{ColumnOf, Heading, time};
 pub use label::{dimension_of, si_of, spelled};
 pub use number::number;
 
-/// Characters of a text of a file that a message shows.
+/// Longest excerpt of a file shown in a message \[characters\].
 const SHOWN: usize = 40;
 
-/// Characters of all headings that a message shows.
+/// Longest list of headings shown in a message \[characters\].
 const SHOWN_HEADINGS: usize = 120;
 
-/// Why a file is not a table, or which line of it cannot be read.
+/// Why a file cannot be read as a table, or which line is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TableFault {
-    /// A file of another format.
+    /// The file has another format.
     #[error("it is {}", .0.name)]
     Foreign(Foreign),
-    /// Bytes that no text has.
+    /// The file contains bytes that do not occur in text.
     #[error("it is a binary file of an unknown format")]
     Binary,
-    /// No line with two columns.
+    /// No line has two columns.
     #[error("no line has two columns, separated by commas, semicolons or tabs")]
     NoColumns,
     /// A line that cannot be read.
@@ -55,7 +55,7 @@ pub enum TableFault {
 pub struct Table {
     text: String,
     separator: u8,
-    /// Headings with their units, those of a row of units included.
+    /// Headings with their units, including those from a separate row of units.
     pub headings: Vec<Heading>,
     /// Line of the headings, from 1.
     pub line: usize,
@@ -66,11 +66,11 @@ pub struct Table {
 }
 
 impl Table {
-    /// Finds headings, units and the beginning of the rows of a table. `is_header` is whether these headings are those
-    /// that are looked for; without such a line they are those before the first line of numbers.
+    /// Finds headings, units and the beginning of the rows of a table. `is_header` recognises the headings; if it
+    /// accepts no line, the headings are the line before the first line of numbers.
     ///
     /// # Errors
-    /// [`TableFault`] if it is not text, or is without columns.
+    /// [`TableFault`] if the file is not text or has no columns.
     pub fn read(bytes: &[u8], is_header: impl Fn(&[Heading]) -> bool) -> Result<Self, TableFault> {
         Self::found(bytes, |text| layout::find(text, is_header))
     }
@@ -80,7 +80,7 @@ impl Table {
             return Err(TableFault::Foreign(foreign));
         }
         let text = decode(bytes).ok_or(TableFault::Binary)?;
-        // Old Mac OS and some instruments end lines only by a carriage return.
+        // Classic Mac OS and some instruments end lines with a carriage return.
         let text = if text.contains('\r') {
             text.replace("\r\n", "\n").replace('\r', "\n")
         } else {
@@ -97,18 +97,18 @@ impl Table {
         })
     }
 
-    /// A table whose first line of two fields or more names its columns; its cells may be text.
+    /// Reads a table whose column names are the first line of two or more fields; its cells may be text.
     ///
     /// # Errors
-    /// As [`Table::read`].
+    /// Same as [`Table::read`].
     pub fn of_text(bytes: &[u8]) -> Result<Self, TableFault> {
         Self::found(bytes, layout::first)
     }
 
-    /// A table whose first line may be of numbers already.
+    /// Reads a table whose first line may already contain numbers.
     ///
     /// # Errors
-    /// As [`Table::read`].
+    /// Same as [`Table::read`].
     pub fn without_headings(bytes: &[u8]) -> Result<Self, TableFault> {
         let mut table = Self::read(bytes, |headings| !headings.iter().any(Heading::is_number))?;
         if table.headings.iter().all(Heading::is_number) {
@@ -124,7 +124,7 @@ impl Table {
     }
 }
 
-/// The beginning of a text without characters that a terminal would obey.
+/// The beginning of a text without control characters that would affect a terminal.
 fn shown(text: &str, most: usize) -> String {
     let letter = |letter: char| if letter.is_control() { ' ' } else { letter };
     text.chars().map(letter).take(most).collect()

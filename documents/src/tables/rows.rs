@@ -1,4 +1,4 @@
-//! Rows of a table as numbers or as text, each with its line.
+//! Rows of a table as numbers or text, with their line numbers.
 
 use super::number::number;
 use super::{SHOWN, Table, TableFault, shown};
@@ -6,13 +6,13 @@ use super::{SHOWN, Table, TableFault, shown};
 /// Columns of numbers and the line of each row.
 #[derive(Debug, Default)]
 pub struct Columns {
-    /// The numbers by column. A column may end before the others.
+    /// Values by column. Columns may have different lengths.
     pub values: Vec<Vec<f64>>,
     /// Line of each row, from 1.
     pub lines: Vec<usize>,
 }
 
-/// Which decimal mark a file has, and a line that shows it.
+/// The decimal mark of a file, and a line that shows it.
 #[derive(Debug, Clone, Copy, Default)]
 struct Marks {
     point: Option<usize>,
@@ -20,16 +20,16 @@ struct Marks {
 }
 
 impl Table {
-    /// Columns of numbers. A column may end before the others; a number after its end is an error.
+    /// Reads columns of numbers. A column may end before the others; a number after its end is an error.
     ///
     /// # Errors
-    /// [`TableFault::Line`] for the first field that is not a number, with its place in `columns`.
+    /// [`TableFault::Line`] for the first field that is not a number; its column is an index into `columns`.
     pub fn columns(&self, columns: &[usize]) -> Result<Columns, TableFault> {
         let mut found = Columns {
             values: vec![Vec::new(); columns.len()],
             lines: Vec::new(),
         };
-        // The line at which each column ended.
+        // The line on which each column ended.
         let mut ends: Vec<Option<usize>> = vec![None; columns.len()];
         let mut marks = Marks::default();
         self.rows(|line, record| {
@@ -79,7 +79,8 @@ impl Table {
         Ok(found)
     }
 
-    /// Whether a comma may separate thousands: only if commas separate the columns, so that it was quoted.
+    /// Whether a comma may separate thousands. It can do so only if commas also separate the columns, so that the
+    /// number was quoted.
     fn is_ambiguous(&self, field: &str) -> bool {
         let Some((whole, decimals)) = field.trim_start_matches(['+', '-']).split_once(',') else {
             return false;
@@ -93,10 +94,10 @@ impl Table {
             && !whole.starts_with('0')
     }
 
-    /// Calls `row` with the line and the fields of each row that is not empty.
+    /// Calls `row` with the line number and the fields of each row that is not blank.
     ///
     /// # Errors
-    /// Those of `row`; [`TableFault::Line`] for a row of more fields than there are headings, or without some of them.
+    /// Those of `row`; [`TableFault::Line`] for a row with more or fewer fields than there are headings.
     pub fn rows(
         &self,
         mut row: impl FnMut(usize, &csv::StringRecord) -> Result<(), TableFault>,
@@ -117,7 +118,7 @@ impl Table {
             problem,
         };
         loop {
-            // The reader passes over empty lines and comments, and states the line before them.
+            // The reader skips blank lines and comments but reports the line before them.
             let begin = usize::try_from(reader.position().byte())
                 .unwrap_or(text.len())
                 .min(text.len());
@@ -138,7 +139,7 @@ impl Table {
             let count = (0..record.len())
                 .rfind(|place| !record[*place].is_empty())
                 .map_or(0, |last| last + 1);
-            // Ctrl-Z ends a text of DOS.
+            // DOS text may end with Ctrl-Z.
             if count == 0 || count == 1 && &record[0] == "\u{1a}" {
                 continue;
             }
@@ -153,7 +154,7 @@ impl Table {
 }
 
 impl Marks {
-    /// Refuses a file with decimal points and decimal commas.
+    /// Rejects a file that mixes decimal points and decimal commas.
     fn see(&mut self, line: usize, field: &str) -> Result<(), String> {
         if field.contains(',') {
             self.comma.get_or_insert(line);
@@ -174,7 +175,7 @@ mod tests {
     use super::super::heading::{Heading, time};
     use super::*;
 
-    /// Times and values of the second column of a table.
+    /// Reads times and the values of the second column of a table.
     fn read(text: &str) -> Result<[Vec<f64>; 2], TableFault> {
         let table = Table::read(text.as_bytes(), |headings| time(headings).is_some())?;
         let mut columns = table.columns(&[0, 1])?.values.into_iter();
@@ -224,7 +225,7 @@ mod tests {
         let said = |text: &str| read(text).map_err(|fault| fault.to_string());
         let mixed = said("t;N\n0;1.5\n1;1,5\n");
         assert!(mixed.is_err_and(|text| text.contains("line 3") && text.contains("line 2")));
-        // 1234 or 1.234: only a file without commas between its columns decides it.
+        // 1234 or 1.234? The file decides only if its columns are not separated by commas.
         let thousands = said("t,N\n0,\"1,234\"\n");
         assert!(thousands.is_err_and(|text| text.contains("line 2") && text.contains("thousands")));
         assert!(said("t;N\n0;1.234,5\n").is_err());

@@ -9,22 +9,23 @@ use super::switching::is_nail;
 use super::system::System;
 use crate::{ContactEnergy, EnergyFlow, Form};
 
-/// Largest residual of the whole shot's energy \[J\], and as a part of the gas energy at the start \[-\].
+/// Largest residual of the energy balance of the complete shot \[J\], and as a fraction of the initial gas energy
+/// \[-\].
 const SHOT_LIMIT: f64 = 1e-3;
 const SHOT_PART: f64 = 1e-6;
 
-/// Residuals followed through the run.
+/// Balance residuals tracked during the run.
 #[derive(Debug, Clone)]
 pub(crate) struct Balance {
     start_mass: f64,
     start: Stock,
     momentum: f64,
-    /// Energy taken out of bodies and springs at events: per contact, at the rod-nail impact, with the nail left
-    /// behind.
+    /// Energy removed from bodies and springs at events: per contact, at the impact of the rod on the nail, and with
+    /// the nail left behind.
     released: [f64; Contact::COUNT],
     nail_impact: f64,
     nail_left: f64,
-    /// Change of the fall of the bodies by the nail's weight when the nail joins and leaves the rod.
+    /// Change in gravitational work due to the nail's weight when the nail joins or leaves the rod.
     fall_jump: f64,
     worst_mass: f64,
     worst_gas: f64,
@@ -32,13 +33,13 @@ pub(crate) struct Balance {
     worst_momentum: f64,
 }
 
-/// Energies and the coordinates of conservative outer forces.
+/// Energies, and the potentials of conservative external forces.
 #[derive(Debug, Clone, Copy)]
 struct Stock {
     gas: f64,
     kinetic: f64,
     elastic: f64,
-    /// Work that gravity, the ambient pressure on the rod and the hand's force would do from the origin to here.
+    /// Work that gravity, the ambient pressure on the rod and the hand force would do from the origin to this state.
     gravity: f64,
     atmosphere: f64,
     hand: f64,
@@ -52,7 +53,7 @@ impl Stock {
         for (body, mass) in masses(system, mode).into_iter().enumerate() {
             let velocity = y[2 * body + 1];
             kinetic += 0.5 * mass * velocity * velocity;
-            // The hand's push is net of its weight, which the arm carries.
+            // The hand's push excludes its weight, which the arm carries.
             if body != Y_M / 2 {
                 gravity += mass * p.ambient.gravity * y[2 * body];
             }
@@ -118,7 +119,7 @@ fn total_mass(y: &State) -> f64 {
     y[MASS..MASS + VOLUMES].iter().sum::<f64>() + y[EXHAUST_MASS] + y[VENT_MASS] + y[LEAK_MASS] - y[SUPPLY_MASS]
 }
 
-/// Momentum of the bodies less the impulse on them from outside.
+/// Momentum of the bodies minus the impulse of external forces.
 fn momentum(system: &System, mode: &Mode, y: &State) -> f64 {
     let bodies: f64 = masses(system, mode)
         .iter()
@@ -145,7 +146,7 @@ impl Balance {
         }
     }
 
-    /// Follows the residuals at the end of a step.
+    /// Updates the residuals at the end of a step.
     pub(crate) fn follow(&mut self, system: &System, mode: &Mode, y: &State) {
         let worst = |worst: &mut f64, residual: f64| *worst = worst.max(residual.abs());
         let flow = self.energy(system, mode, y);
@@ -155,7 +156,7 @@ impl Balance {
         worst(&mut self.worst_momentum, momentum(system, mode, y) - self.momentum);
     }
 
-    /// Takes up the event of `slot` that changed mode and state.
+    /// Accounts for the event of `slot`, which changed mode and state.
     pub(crate) fn cross(&mut self, system: &System, slot: usize, before: (&Mode, &State), after: (&Mode, &State)) {
         let (old, new) = (
             Stock::new(system, before.0, before.1),
@@ -173,8 +174,8 @@ impl Balance {
         if before.0.nail != after.0.nail
             && (after.0.nail == NailState::Left || system.p.model.impact == Form::Published)
         {
-            // The nail stays behind with the momentum it has, nothing to within the location of v_p = 0; in the
-            // published form it has come from nowhere with 6 % of the piston's.
+            // The nail keeps its momentum when left behind, which is zero within the accuracy of locating v_p = 0; in
+            // the published form, it has gained 6 % of the piston's momentum from nowhere.
             self.momentum += momentum(system, after.0, after.1) - momentum(system, before.0, before.1);
         }
     }
@@ -224,8 +225,8 @@ impl Balance {
         }
     }
 
-    /// The balances that the forms in use obey: published gas law, channel and valve underside break some (C-02, C-03,
-    /// C-06).
+    /// The balances that the chosen forms satisfy; the published gas law, channel and valve underside violate some of
+    /// them (C-02, C-03, C-06).
     pub(crate) fn checks(&self, system: &System) -> Vec<Check> {
         let m = &system.p.model;
         let holds = |forms: &[Form]| forms.iter().all(|form| *form == Form::Corrected);

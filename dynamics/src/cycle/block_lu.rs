@@ -1,11 +1,11 @@
-//! Newton matrices of states with integrals: only the block of the states is factorised.
+//! Newton matrices of states with integrals, of which only the state block is factorised.
 //!
 //! ```text
 //! I - c J = [ A 0 ]    A x = b,   q = d - B x
 //!           [ B I ]
 //! ```
-//! The integrals depend only on the states, so their columns are those of the identity. Half the size of the full
-//! matrix is an eighth of the work.
+//! The integrals depend only on the states, so their columns are those of the identity. Halving the size of the matrix
+//! reduces the work to an eighth.
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::{Matrix, MatrixCommon, NalgebraContext, NalgebraVec};
@@ -21,11 +21,11 @@ pub(crate) struct BlockLu {
     factors: Box<Factors>,
 }
 
-/// The state block by columns, so that every inner loop is a sum of scaled columns.
+/// The state block by columns, so that every inner loop adds scaled columns.
 struct Factors {
     lu: [[f64; STATES]; STATES],
     pivot: [usize; STATES],
-    /// Entries of B that are not zero: row, column, value.
+    /// Nonzero entries of B: row, column, value.
     below: Vec<(u32, u32, f64)>,
     singular: bool,
 }
@@ -55,11 +55,11 @@ fn subtract(y: &mut [f64], a: f64, x: &[f64]) {
 }
 
 impl Factors {
-    /// Gaussian elimination of a column-major matrix's leading block.
+    /// Gaussian elimination of the leading block of a column-major matrix.
     ///
-    /// The row of a position reads x' = v: 1 on the diagonal and one other entry. It is its own pivot and leaves that
-    /// one column to be changed, where partial pivoting would take the stiffest row and fill the block. The addition to
-    /// the velocities' rows is c^2 K/M next to 1 + c C/M, like Newmark's effective mass. All other pivots are partial.
+    /// The row of a position is x' = v, with 1 on the diagonal and one other entry. It is its own pivot, so only that
+    /// one column changes; partial pivoting would choose the stiffest row and fill the block. It adds c^2 K/M to 1 + c
+    /// C/M in the rows of the velocities, like Newmark's effective mass. All other rows are pivoted partially.
     fn factorise(&mut self, matrix: &[f64]) {
         self.below.clear();
         for (j, column) in matrix.chunks_exact(SIZE).take(STATES).enumerate() {
@@ -99,7 +99,7 @@ impl Factors {
                     subtract(&mut other[k + 1..], top, &column[k + 1..]);
                 }
             }
-            // Rows of the part already eliminated move with their pivots.
+            // Rows of the eliminated part move with their pivots.
             if pivot != k {
                 left[..k].iter_mut().for_each(|earlier| earlier.swap(k, pivot));
             }
@@ -191,7 +191,7 @@ impl LinearSolver<NalgebraMat<f64>> for BlockLu {
 mod tests {
     use super::*;
 
-    /// A matrix of the block form with entries that need pivoting, column-major.
+    /// A column-major matrix of this block form with entries that need pivoting.
     fn matrix() -> Vec<f64> {
         let mut seed = 1u64;
         let mut random = || {
@@ -214,7 +214,7 @@ mod tests {
         a
     }
 
-    /// The same with the rows of positions as they are in a Newton matrix, next to a stiff contact.
+    /// The same with rows of positions as in a Newton matrix, next to a stiff contact.
     fn newton_matrix() -> Vec<f64> {
         let (mut a, step) = (matrix(), 1e-5);
         for body in 0..BODIES {

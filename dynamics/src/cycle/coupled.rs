@@ -1,19 +1,20 @@
-//! The cycle on a wood that another solver moves.
+//! The cycle coupled to wood whose motion another solver computes.
 //!
-//! Both sides advance by the same steps h. Over a step the wood follows cubics that end in
+//! Both sides advance with the same step h. Over a step, the motion of the wood follows cubics that end at
 //!
 //! ```text
 //! w = w_free + C F,    F = F(w)
 //! ```
-//! with the cycle's forces F at the end of the step. The left equation is the response of the structure. The right one
-//! is the cycle, integrated through the step with the wood so moved, all its events located. The forces are found by
-//! Newton's method on F - F(w_free + C F) = 0 with
+//! where F are the cycle's forces at the end of the step. The left equation is the response of the structure. The right
+//! one is the cycle integrated over the step for this motion of the wood, with all its events located. The forces are
+//! found by Newton's method for F - F(w_free + C F) = 0 with
 //!
 //! ```text
 //! dF/dw = -(k_n + k_e)  and  -dE/dz,   dF/dw' = -c_n
 //! ```
-//! of the contacts closed at the end. The neglected term, the bodies' motion within a step, is of the order of k h^2/M,
-//! a thousandth. Two or three trials therefore suffice however stiff the contacts are against the wood.
+//! of the contacts that are closed at the end. The neglected term, the motion of the bodies within a step, is of order
+//! k h^2/M, about a thousandth. Two or three trials therefore suffice, however stiff the contacts are relative to the
+//! wood.
 
 use super::integrate::{Cycle, Problem, Run};
 use super::mode::{Contact, Mode, Penetration};
@@ -24,17 +25,17 @@ use super::wood::DrivenWood;
 use crate::{CouplingWork, CycleError, Settings, WoodForces, WoodMotion, Workpiece};
 use nailnoise_penetration::Dual;
 
-/// Difference of forces, as a part of the largest so far, at which both sides agree.
+/// Tolerance on the difference between the forces of both sides, as a fraction of the largest force so far.
 const AGREEMENT: f64 = 1e-9;
-/// Trials after which forces that jump from trial to trial are taken as they are.
+/// Number of trials after which forces that keep jumping are accepted as they are.
 const TRIALS: usize = 40;
-/// Trials after which Newton's steps are halved.
+/// Number of trials after which Newton steps are halved.
 const DAMPED: usize = 12;
-/// Jump of a force that may remain in a step, as a part of the largest so far; the tip of the nail meets the wood with
-/// a jump of 1 % of its final force.
+/// Jump of a force that may remain in a step, as a fraction of the largest force so far; when the tip meets the wood,
+/// the force jumps to 1 % of its final value.
 const JUMP: f64 = 0.05;
 
-/// Forces on the wood at a state, and -dF/dw, -dF/dw' of nail and seat.
+/// Forces on the wood at a state, with -dF/dw and -dF/dw' at the nail and the seat.
 #[derive(Debug, Clone, Copy)]
 struct Answer {
     forces: WoodForces,
@@ -42,7 +43,7 @@ struct Answer {
     damping: [f64; 2],
 }
 
-/// The part of a cycle that a trial changes.
+/// The part of a cycle's state that a trial changes.
 struct Held {
     mode: Mode,
     t: f64,
@@ -51,7 +52,7 @@ struct Held {
     chatter: [(f64, usize); SLOTS],
 }
 
-/// Integrates a cycle on a wood outside it.
+/// Integrates a cycle on external wood.
 pub(crate) fn integrate_on<W: Workpiece>(
     system: &System,
     settings: &Settings,
@@ -84,14 +85,14 @@ pub(crate) fn integrate_on<W: Workpiece>(
         work.steps += 1;
     }
     if !cycle.run.landed {
-        // The window of the last sample; its length is practically zero.
+        // Window of the last sample, whose length is practically zero.
         cycle.drive(&motion, &motion, &motion, h);
         cycle.end = work.steps as f64 * h;
     }
     Ok((cycle.finish(&problem), work))
 }
 
-/// Forces at the end of a step and the motions they go with.
+/// Forces at the end of a step, and the corresponding motions.
 struct Agreed {
     forces: WoodForces,
     end: WoodMotion,
@@ -99,7 +100,7 @@ struct Agreed {
 }
 
 impl<'s> Cycle<'s> {
-    /// Finds the forces at the end of the step to `to`, from a guess.
+    /// Finds the forces at the end of the step to `to`, starting from a guess.
     fn agree<W: Workpiece>(
         &mut self,
         problem: &Problem<'s>,
@@ -118,7 +119,7 @@ impl<'s> Cycle<'s> {
             let end = wood.trial(&forces)?;
             let compliance = wood.compliance(forces.depth);
             let given = [forces.nail, forces.seat];
-            // Both motions as they would be without these forces.
+            // Both motions without these forces.
             let free = |end: [f64; 2], row: usize| {
                 let part = |c: &[[f64; 2]; 2]| c[row][0] * given[0] + c[row][1] * given[1];
                 [end[0] - part(&compliance.position), end[1] - part(&compliance.velocity)]
@@ -162,7 +163,7 @@ impl<'s> Cycle<'s> {
         }
     }
 
-    /// Lets the wood move so over the next window.
+    /// Prescribes the motion of the wood over the next window.
     fn drive(&mut self, start: &WoodMotion, end: &WoodMotion, free: &WoodMotion, length: f64) {
         let open = !self.mode.closed(Contact::Nose);
         self.mode.wood = Some(DrivenWood::new(start, end, free, length, open));
@@ -170,7 +171,7 @@ impl<'s> Cycle<'s> {
         self.y[V_W] = 1.0;
     }
 
-    /// Follows the cycle to a time, for the record or as a trial.
+    /// Advances the cycle to a given time, for the record or as a trial.
     fn advance(&mut self, problem: &Problem<'s>, to: f64, recording: bool) -> Result<(), CycleError> {
         (self.window, self.recording) = (Some(to), recording);
         while !self.is_through() {
@@ -198,7 +199,7 @@ impl<'s> Cycle<'s> {
         self.chatter = held.chatter;
     }
 
-    /// Forces on the wood at the present state.
+    /// Forces on the wood at the current state.
     fn answer(&self) -> Answer {
         let (system, mode, y) = (self.system, &self.mode, &self.y);
         let f = system.forces(y, &system.instant(y), mode);
@@ -222,7 +223,7 @@ impl<'s> Cycle<'s> {
             Penetration::Loading { seated: false } => system.envelope.law().evaluate(z, v, mode.impact).slope,
             Penetration::Loading { seated: true } => {
                 let shank = system.envelope.seated(v, mode.impact).slope;
-                [system.envelope.head_stiffness(), shank[1]]
+                [system.envelope.head_at(z).slope[0], shank[1]]
             }
             Penetration::Unloading { .. } => [system.p.wood.unloading_stiffness, 0.0],
         };

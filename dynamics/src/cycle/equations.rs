@@ -18,7 +18,7 @@ use nailnoise_penetration::Dual;
 type Matrix = NalgebraMat<f64>;
 type Vector = NalgebraVec<f64>;
 
-/// Counts of evaluations.
+/// Numbers of evaluations.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Calls {
     pub(crate) rates: usize,
@@ -53,7 +53,7 @@ impl<'s> Equations<'s> {
         self.calls.get()
     }
 
-    /// Flow of the channel one delay ago, in the form that delays it.
+    /// Channel flow one delay earlier, in the form that delays it.
     pub(crate) fn past(&self, t: f64) -> Past {
         match self.system.p.model.delay {
             Form::Corrected => Past::none(),
@@ -61,7 +61,7 @@ impl<'s> Equations<'s> {
         }
     }
 
-    /// Notes the channel's flow at an accepted state, in the form that delays it.
+    /// Stores the channel flow at an accepted state, in the form that delays it.
     pub(crate) fn remember(&self, t: f64, y: &State) {
         if self.system.p.model.delay == Form::Published {
             let mode = self.mode.get();
@@ -120,7 +120,7 @@ impl Op for Equations<'_> {
 /// The right-hand side.
 pub(crate) struct Rates<'a, 's>(&'a Equations<'s>);
 
-/// The initial state; it is never used, because every segment starts from its own state.
+/// The initial state; unused, because every segment starts from its own state.
 pub(crate) struct Start<'a, 's>(&'a Equations<'s>);
 
 macro_rules! same_shape {

@@ -10,11 +10,11 @@ use super::system::{Instant, System};
 use crate::Form;
 use nailnoise_penetration::Real;
 
-/// Coefficients of the intake's flow coefficient C_f(P_d/P_u) and the range of the ratio (Eq. 4.35).
+/// Coefficients of the intake's flow coefficient C_f(P_d/P_u), and the range of the pressure ratio (Eq. 4.35).
 const POPPET: [f64; 4] = [1.1, -0.71, 0.49, -0.14];
 const POPPET_RANGE: (f64, f64) = (0.390, 0.913);
 
-/// Flow through the trigger's channel: out of h to the atmosphere, into h, and out of ext.
+/// Flow through the trigger channel: from h to the atmosphere, into h, and out of ext.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ChannelFlow<S> {
     pub(crate) vent: Stream<S>,
@@ -25,11 +25,11 @@ pub(crate) struct ChannelFlow<S> {
 /// Flow through the exhaust.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outflow<S> {
-    /// Mass flow outwards \[kg/s\].
+    /// Outward mass flow \[kg/s\].
     pub(crate) mass: S,
-    /// P_m before the holes \[Pa\].
+    /// P_m upstream of the holes \[Pa\].
     pub(crate) plenum: S,
-    /// P_s behind the holes, in the muffler if fitted \[Pa\].
+    /// P_s downstream of the holes, in the muffler if fitted \[Pa\].
     pub(crate) behind: S,
     /// Part of the jets' thrust on the tool, down \[N\].
     pub(crate) thrust: S,
@@ -91,7 +91,7 @@ impl System {
         }
     }
 
-    /// Published, nothing flows in from the atmosphere and the intake has one way.
+    /// In the published form, there is no inflow from the atmosphere and the intake is one-way.
     fn outward<S: Real>(&self, flow: S) -> S {
         if self.p.model.intake == Form::Corrected || flow.value() > 0.0 {
             flow
@@ -100,7 +100,7 @@ impl System {
         }
     }
 
-    /// Flow ext -> 1 over the opened head valve.
+    /// Flow ext -> 1 past the open head valve.
     #[inline]
     pub(crate) fn intake<S: Real>(&self, now: &Instant<S>, mode: &Mode) -> S {
         if !mode.intake {
@@ -111,7 +111,7 @@ impl System {
         self.outward(self.intake_flow(opening, now.gas[SUPPLY], now.gas[ABOVE]))
     }
 
-    /// Flow 1 -> atmosphere through the exhaust; `near` is P_m a moment ago, if known.
+    /// Flow 1 -> atmosphere through the exhaust; `near` is a recent value of P_m, if known.
     #[inline]
     pub(crate) fn exhaust<S: Real>(&self, now: &Instant<S>, mode: &Mode, near: Option<f64>) -> Outflow<S> {
         let zero = S::constant(0.0);
@@ -130,9 +130,9 @@ impl System {
         let mass = self.outward(mass);
         let share = self.p.exhaust.thrust_share;
         let thrust = if share != 0.0 && mass.value() > 0.0 {
-            let holes = self.p.chambers.discharge_coefficient * self.exhaust_area;
+            let holes = self.p.exhaust.discharge_coefficient * self.exhaust_area;
             match self.p.muffler_area {
-                // The air leaves the tool at the muffler's end.
+                // The air leaves the tool at the end of the muffler.
                 Some(area) => self.air.thrust(behind, ambient.pressure) * (share * area),
                 None => self.air.thrust(plenum, ambient.pressure) * (share * holes),
             }
@@ -147,9 +147,9 @@ impl System {
         }
     }
 
-    /// Above zero while the exhaust holes are choked. It is the flow of the seat up to the critical P_m less that of
-    /// the holes there, (C A P)_seat N(P_m/P_1) - A_ma P_m with P_m = P_a/P_cr \[N\], or the P_m that a muffler
-    /// requires.
+    /// Greater than zero while the exhaust holes are choked. It is the flow through the seat at the critical P_m minus
+    /// that through the holes, (C A P)_seat N(P_m/P_1) - A_ma P_m, where P_m = P_a/P_cr \[N\] or the value that a
+    /// muffler requires.
     pub(crate) fn hole_choking(&self, now: &Instant<f64>) -> f64 {
         let valve = &self.p.head_valve;
         let opening = now.valve - (valve.lift - valve.exhaust_lap);
@@ -171,7 +171,7 @@ impl System {
         seat * p1 * self.air.flow_function(critical / p1).0 - holes
     }
 
-    /// Flow through the trigger's channel in the mode's state of it.
+    /// Flow through the trigger channel in the mode's channel state.
     #[inline]
     pub(crate) fn channel<S: Real>(&self, gas: &[Gas<S>; VOLUMES], mode: &Mode, past: &Past) -> ChannelFlow<S> {
         let model = &self.p.model;
@@ -197,7 +197,7 @@ impl System {
         channel
     }
 
-    /// Attenuated flow through the trigger's channel at this instant: h -> atmosphere, or ext -> h when `released`.
+    /// Attenuated flow through the trigger channel at this instant: h -> atmosphere, or ext -> h if `released`.
     pub(crate) fn stream<S: Real>(&self, gas: &[Gas<S>; VOLUMES], released: bool) -> Stream<S> {
         let (area, from, to) = if released {
             (self.fill_area, gas[SUPPLY], gas[CONTROL])
@@ -212,7 +212,8 @@ impl System {
         })
     }
 
-    /// Published, nothing flows back through the channel; an interpolated past flow may pass below zero.
+    /// In the published form there is no backflow through the channel; an interpolated past flow may be slightly
+    /// negative.
     fn one_way<S: Real>(&self, stream: Stream<S>) -> Stream<S> {
         if stream.mass.value() < 0.0 && self.p.model.intake == Form::Published {
             Stream::still()
@@ -227,7 +228,7 @@ impl System {
         opening * (PI * sin) * (opening * (-sign * sin * cos) + diameter)
     }
 
-    /// Flow ext -> 1 over the opened head valve (Eqs. 4.34, 4.35).
+    /// Flow ext -> 1 past the open head valve (Eqs. 4.34, 4.35).
     fn intake_flow<S: Real>(&self, opening: S, from: Gas<S>, to: Gas<S>) -> S {
         let area = Self::seat_area(opening, self.intake_angle, self.p.piston.bore, 1.0);
         let inward = from.pressure.value() >= to.pressure.value();
@@ -244,22 +245,22 @@ impl System {
         if inward { flow } else { -flow }
     }
 
-    /// Area of the muffler with the coefficient of the holes, A_s = (C A_s)/C_d \[m2\].
+    /// Area of the muffler referred to the coefficient of the holes, A_s = (C A_s)/C_d \[m2\].
     fn muffler(&self) -> Option<f64> {
         let area = self.p.muffler_area?;
-        Some(area / self.p.chambers.discharge_coefficient)
+        Some(area / self.p.exhaust.discharge_coefficient)
     }
 
-    /// Flow 1 -> atmosphere through valve seat, holes and muffler in series, P_m before and P_s behind the holes (C-15,
-    /// C-16).
+    /// Flow 1 -> atmosphere through valve seat, holes and muffler in series, with P_m upstream and P_s downstream of
+    /// the holes (C-15, C-16).
     fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>, near: Option<f64>) -> (S, [S; 2]) {
         let valve = &self.p.head_valve;
-        let cd = self.p.chambers.discharge_coefficient;
+        let cd = self.p.exhaust.discharge_coefficient;
         let seat = Self::seat_area(opening, self.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
         let outward = from.pressure.value() >= ambient.pressure.value();
         let (up, down) = if outward { (from, ambient) } else { (ambient, from) };
         if seat.value() <= 0.0 {
-            // Continues the flow smoothly past the closing of the seat, to where a step may run before it is cut back.
+            // Extends the flow smoothly beyond the closing of the seat, where a step may go before it is cut back.
             let flow = self.air.flow(seat * cd, up, down.pressure);
             return (if outward { flow } else { -flow }, [ambient.pressure; 2]);
         }
@@ -295,7 +296,7 @@ impl System {
                 [plenum, ambient.pressure],
             )
         } else {
-            // The same law inward: first the holes, then the seat.
+            // The same law for inflow: first the holes, then the seat.
             let holes = S::constant(self.exhaust_area);
             let plenum = self
                 .air

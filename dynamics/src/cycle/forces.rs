@@ -1,4 +1,4 @@
-//! Forces between the bodies, and their effects on them.
+//! Forces between the bodies, and the resulting accelerations.
 
 use super::mode::{Contact, Mode, NailState, Penetration};
 use super::state::*;
@@ -16,9 +16,9 @@ pub(crate) const SPRING_LIMIT: f64 = 5e-3;
 /// Forces at a state \[N\], named as in [`crate::Forces`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Forces<S> {
-    /// Contact pushes, >= 0 except where a dashpot pulls just before the contact opens.
+    /// Contact forces, >= 0 except where a dashpot pulls just before the contact opens.
     pub(crate) push: [S; Contact::COUNT],
-    /// The dashpots' parts of the pushes.
+    /// The dashpot contributions to the contact forces.
     pub(crate) dashpot: [S; Contact::COUNT],
     pub(crate) piston_gas: S,
     pub(crate) valve_gas: S,
@@ -29,12 +29,12 @@ pub(crate) struct Forces<S> {
     pub(crate) penetration: S,
     pub(crate) guard: S,
     pub(crate) hand: S,
-    /// The dashpot's part of the hand's force.
+    /// The dashpot contribution to the hand force.
     pub(crate) hand_dashpot: S,
 }
 
 impl System {
-    /// All forces but the exhaust's thrust, thesis Eqs. 4.1 to 4.18 and 4.55 to 4.60 as corrected.
+    /// All forces except the exhaust's thrust, thesis Eqs. 4.1 to 4.18 and 4.55 to 4.60 as corrected.
     #[inline]
     pub(crate) fn forces<S: Real>(&self, y: &[S], now: &Instant<S>, mode: &Mode) -> Forces<S> {
         let (p, g) = (&self.p, &self.geometry);
@@ -81,7 +81,7 @@ impl System {
             }
             Penetration::Loading { seated: true } => {
                 let v = y[V_P] - mode.nail_motion(y).1;
-                (z - p.nail.length) * self.envelope.head_stiffness() + self.envelope.seated(v, mode.impact)
+                self.envelope.head_at(z) + self.envelope.seated(v, mode.impact)
             }
             Penetration::Unloading { deepest, force } => (z - deepest) * p.wood.unloading_stiffness + force,
         };
@@ -102,14 +102,14 @@ impl System {
         }
     }
 
-    /// Accelerations of piston, head valve, tool, workpiece and hand \[m/s2\], `thrust` being the exhaust's on the
+    /// Accelerations of piston, head valve, tool, workpiece and hand \[m/s2\]; `thrust` is that of the exhaust on the
     /// tool.
     #[inline]
     pub(crate) fn accelerations<S: Real>(&self, f: &Forces<S>, thrust: S, mode: &Mode) -> [S; BODIES] {
         let (p, g) = (&self.p, &self.geometry);
         let [bumper, stopper, cap, seat, nose, support] = f.push;
         let gravity = p.ambient.gravity;
-        // Forces between the tool and its moving parts, down on the parts.
+        // Forces between the tool and its moving parts; down on the parts is positive.
         let on_piston = f.piston_gas - bumper + stopper - f.piston_friction - f.magazine;
         let on_valve = f.valve_gas + f.spring + cap - seat - f.valve_friction;
         [
@@ -133,7 +133,7 @@ impl System {
         let m = &self.p.model;
         let x = v.value();
         let w = x / m.stribeck_velocity;
-        // Where they are not evaluated, both functions have reached their limits to the last digit.
+        // Outside this range, both functions equal their limits to the last digit, so they are not evaluated.
         let stribeck = if w.abs() < 30.0 { (-w * w).exp() } else { 0.0 };
         let fall = (law.static_force - law.sliding_force) * stribeck;
         let level = law.sliding_force + fall;
@@ -144,7 +144,7 @@ impl System {
         v.chain(force, slope)
     }
 
-    /// F tanh(v/v_0): dry friction of constant force.
+    /// F tanh(v/v_0): dry friction with a constant force.
     #[inline]
     fn coulomb<S: Real>(&self, force: f64, v: S) -> S {
         let width = self.p.model.friction_velocity;
@@ -153,7 +153,7 @@ impl System {
     }
 }
 
-/// tanh x, which is +-1 to the last digit beyond 20.
+/// tanh x, which equals +-1 to the last digit beyond 20.
 #[inline]
 fn saturating_tanh(x: f64) -> f64 {
     if x.abs() > 20.0 { x.signum() } else { x.tanh() }

@@ -73,7 +73,7 @@ impl Air {
             let n = (1.0 - x * x).sqrt();
             return (n, -x / (n * (1.0 - self.critical)));
         }
-        // r^(1/gamma); half the cost of powf, and to the same digits for r near 1.
+        // r^(1/gamma), at half the cost of powf and with the same accuracy for r near 1.
         let q = (r.ln() * self.inv_gamma).exp();
         let n = ((q * q - q * r) * self.inv_n2).sqrt();
         // d(q^2 - q r)/dr with dq/dr = q/(gamma r)
@@ -93,7 +93,7 @@ impl Air {
         }
     }
 
-    /// mdot from `up` to `down`, for P_u >= P_d \[kg/s\]; `area` is C A.
+    /// Mass flow from `up` to `down`, for P_u >= P_d \[kg/s\]; `area` is C A.
     #[inline]
     pub(crate) fn flow<S: Real>(&self, area: S, up: Gas<S>, down: S) -> S {
         let r = down * up.pressure.recip();
@@ -101,7 +101,8 @@ impl Air {
         area * up.pressure * r.chain(n, dn) * up.temperature.recip_sqrt() * self.coefficient
     }
 
-    /// Thrust of a jet through a hole, divided by its effective area \[Pa\], P_m before the hole and P_a behind it.
+    /// Thrust of a jet through a hole divided by its effective area \[Pa\], with P_m upstream and P_a downstream of the
+    /// hole.
     ///
     /// ```text
     /// F/A = rho_e U^2 + P_e - P_a,   r = max(P_a/P_m, P_cr)
@@ -123,7 +124,7 @@ impl Air {
         before * r.chain(value, slope) - behind
     }
 
-    /// mdot from `a` to `b`, either way; positive from `a` to `b` \[kg/s\].
+    /// Mass flow between `a` and `b`, positive from `a` to `b` \[kg/s\].
     #[inline]
     pub(crate) fn exchange<S: Real>(&self, area: f64, a: Gas<S>, b: Gas<S>) -> S {
         let area = S::constant(area);
@@ -134,15 +135,15 @@ impl Air {
         }
     }
 
-    /// Pressure between two restrictions in series, first C A `first`, then `second`.
+    /// Pressure between two restrictions in series with C A = `first`, then `second`.
     ///
-    /// Solves first P_u N(P_m/P_u) = second P_m N(P_d/P_m) for P_d <= P_m <= P_u, the temperature being the same in
-    /// both (C-15). The residual falls strictly in P_m, so safeguarded Newton cannot fail; derivatives follow from the
-    /// implicit function theorem. `near` is where to look first, if something is known.
+    /// Solves first P_u N(P_m/P_u) = second P_m N(P_d/P_m) for P_d <= P_m <= P_u, with the same temperature in both
+    /// (C-15). The residual decreases strictly with P_m, so safeguarded Newton iteration cannot fail; derivatives
+    /// follow from the implicit function theorem. `near` is an initial guess, if one is known.
     pub(crate) fn intermediate_pressure<S: Real>(&self, first: S, second: S, up: S, down: S, near: Option<f64>) -> S {
         let (pu, pd, a1, a2) = (up.value(), down.value(), first.value(), second.value());
         let (mut low, mut high) = (pd, pu);
-        // Where both restrictions are in the linear range the balance is linear in P_m.
+        // If both restrictions are in the linear range, the balance is linear in P_m.
         let mut pm = (a1 * pu + a2 * pd) / (a1 + a2);
         if pu - pm >= self.linear * pu || pm - pd >= self.linear * pm {
             pm = match near {
@@ -167,7 +168,8 @@ impl Air {
                 };
                 let change = (next - pm).abs();
                 pm = next;
-                // Quadratic convergence leaves 1e-13 after a change of 1e-8, where the flow function is most curved.
+                // With quadratic convergence, a change of 1e-8 leaves an error of 1e-13 where the flow function is most
+                // curved.
                 if change <= 1e-8 * pm && next == newton {
                     break;
                 }
@@ -176,7 +178,7 @@ impl Air {
         if !S::DIFFERENTIATED {
             return S::constant(pm);
         }
-        // One Newton step carried out in S from the constant P_m gives its derivatives exactly.
+        // One Newton step in S from the constant P_m gives exact derivatives.
         let r1 = up.recip() * pm;
         let (n1, dn1) = self.flow_function(r1.value().min(1.0));
         let r2 = down * (1.0 / pm);
@@ -191,13 +193,13 @@ impl Air {
 }
 
 impl Air {
-    /// P_m between two restrictions with the flow function of ISO 6358 for that of the ideal nozzle.
+    /// P_m between two restrictions, with the flow function of ISO 6358 instead of the ideal nozzle:
     ///
     /// ```text
     /// N(r) = 1                                r <= b
     ///      = sqrt(1 - ((r - b)/(1 - b))^2)    r > b
     /// ```
-    /// The balance is then a quadratic in P_m on each of four branches; within 1 % of the exact pressure.
+    /// The balance is then a quadratic in P_m on each of four branches; the result is within 1 % of the exact pressure.
     fn elliptic_pressure(&self, first: f64, second: f64, pu: f64, pd: f64) -> f64 {
         let b = self.critical;
         let (q1, q2, width) = (first * first, second * second, (1.0 - b) * (1.0 - b));
@@ -225,15 +227,15 @@ impl Air {
         pm.clamp(pd, pu)
     }
 
-    /// Pressures between three restrictions in series, areas C A in the direction of the flow.
+    /// Pressures between three restrictions in series, with areas C A in the direction of the flow.
     ///
     /// ```text
     /// A_1 P_u N(P_m/P_u) = A_2 P_m N(P_s/P_m) = A_3 P_s N(P_d/P_s)        P_d <= P_s <= P_m <= P_u
     /// ```
     ///
-    /// The temperature is the same in all three: each restriction throttles. P_s follows from P_m as in
-    /// [`Self::intermediate_pressure`]. The flow of the last two grows with P_m, so safeguarded Newton in P_m cannot
-    /// fail.
+    /// The temperature is the same in all three, because each restriction throttles. P_s follows from P_m as in
+    /// [`Self::intermediate_pressure`]. The flow through the last two increases with P_m, so safeguarded Newton
+    /// iteration for P_m cannot fail.
     pub(crate) fn two_intermediate_pressures<S: Real>(&self, areas: [S; 3], up: S, down: S) -> [S; 2] {
         let [first, second, third] = areas;
         let (pu, pd, a1) = (up.value(), down.value(), first.value());
@@ -249,7 +251,7 @@ impl Air {
                 - self.passed(a2, pm, self.intermediate_pressure(a2, a3, pm, pd, None))
         };
         let (mut low, mut high) = (pd, pu);
-        // Incompressible flow: the pressure falls by 1/A^2 on each.
+        // For incompressible flow, the pressure drops by 1/A^2 at each restriction.
         let drop = |a: S| (a.value() * a.value()).recip();
         let all = drop(first) + drop(second) + drop(third);
         let mut pm = pu - (pu - pd) * drop(first) / all;
@@ -295,8 +297,8 @@ impl Air {
         area * up * r.chain(n, dn)
     }
 
-    /// P_m above which holes before a muffler are choked: P_s = P_cr P_m and A_2 P_m = A_3 P_s N(P_a/P_s); none where
-    /// the muffler chokes before them.
+    /// P_m above which holes upstream of a muffler are choked: P_s = P_cr P_m and A_2 P_m = A_3 P_s N(P_a/P_s); none if
+    /// the muffler chokes first.
     pub(crate) fn choking_pressure(&self, holes: f64, muffler: f64, ambient: f64) -> Option<f64> {
         let needed = holes / (muffler * self.critical);
         if needed > 1.0 {
@@ -315,7 +317,7 @@ impl Air {
     }
 }
 
-/// State of a gas that flows.
+/// State of a flowing gas.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gas<S> {
     /// P \[Pa\].
@@ -391,11 +393,11 @@ mod tests {
                     [(areas[0], pu, pm), (areas[1], pm, ps), (areas[2], ps, pd)].map(|(a, u, d)| air.passed(a, u, d));
                 assert!(pd <= ps && ps <= pm && pm <= pu, "{pu} {pm} {ps}");
                 assert!((flows[1] / flows[0] - 1.0).abs() < 1e-9, "{ratio} {areas:?}: {flows:?}");
-                // The inner solution is that of two restrictions, with its own tolerance where the drop is small.
+                // The inner solution is that of two restrictions, with its own tolerance if the pressure drop is small.
                 assert!((flows[2] / flows[0] - 1.0).abs() < 1e-5, "{ratio} {areas:?}: {flows:?}");
             }
         }
-        // A wide muffler is none.
+        // A wide muffler has no effect.
         let [pm, ps] = air.two_intermediate_pressures([1e-4, 1.4e-4, 10.0], 3e5, pd);
         assert!((pm / air.intermediate_pressure(1e-4, 1.4e-4, 3e5, pd, None) - 1.0).abs() < 1e-6);
         assert!((ps / pd - 1.0).abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! Past flow of the trigger's channel, for the published form with a delay of the flow itself (C-04).
+//! Past flow of the trigger channel, for the published form that delays the flow itself (C-04).
 
 use super::state::{SIZE, State};
 use super::system::System;
@@ -39,7 +39,7 @@ impl Stream<f64> {
     }
 }
 
-/// Flow that left or entered the channel one delay ago.
+/// Flow that left or entered the channel one delay earlier.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Past {
     pub(crate) vent: Stream<f64>,
@@ -63,8 +63,8 @@ struct Node {
     slope: Stream<f64>,
 }
 
-/// Flow at the ends of all steps, cubic between them (Hermite); separate for the pulled and the released trigger,
-/// because the flow jumps from one to the other.
+/// Flow at the ends of all steps with cubic Hermite interpolation; separate for the pulled and the released trigger,
+/// because the flow is discontinuous between them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History {
     pulled: Vec<Node>,
@@ -72,7 +72,7 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Notes the flow at the end of a step or the start of a segment.
+    /// Stores the flow at the end of a step or the start of a segment.
     pub(crate) fn push(&mut self, system: &System, released: bool, time: f64, y: &State, rate: &State) {
         let along: [Dual<1>; SIZE] = std::array::from_fn(|i| Dual {
             value: y[i],
@@ -103,8 +103,8 @@ impl History {
 fn read(nodes: &[Node], time: f64) -> Stream<f64> {
     let right = nodes.partition_point(|node| node.time <= time);
     let (Some(a), Some(b)) = (right.checked_sub(1).and_then(|left| nodes.get(left)), nodes.get(right)) else {
-        // Before the first flow there is none; after the last known one it stays constant, to within rounding of the
-        // time.
+        // Before the first flow it is zero; after the last known one it is constant, which matters only within the
+        // rounding of the time.
         return match nodes.last() {
             Some(last) if time >= last.time => last.flow,
             _ => nodes

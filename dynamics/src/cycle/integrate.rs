@@ -1,9 +1,9 @@
-//! Segments between events, each a smooth problem given to diffsol.
+//! Segments between events, each of which is a smooth problem solved by diffsol.
 //!
-//! A step may run past an event, since the right-hand side of a mode is smooth everywhere. The event is then located on
-//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are
-//! located here rather than by the solver's root finder because they have a direction, need arming after a restart, and
-//! must be found between steps' ends as well.
+//! A step may extend beyond an event, because the right-hand side of a mode is smooth everywhere. The event is then
+//! located on the solver's interpolant, the state is evaluated there, and the next segment starts in the new mode.
+//! Events are located here instead of by the solver's root finder, because they have a direction, need arming after a
+//! restart, and must also be found between the ends of steps.
 
 use diffsol::{
     NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
@@ -24,21 +24,22 @@ use super::system::System;
 use super::tolerances::tolerances;
 use crate::{Crossing, CycleError, Form, Method, Settings, WoodMotion, Work};
 
-/// Points at which conditions are checked within a step, its end included.
+/// Number of points per step, including its end, at which conditions are checked.
 const POINTS: usize = 2;
-/// Changes of one condition within [`CHATTER_WINDOW`] that count as chatter; a contact of 200 kHz makes 400.
+/// Number of changes of one condition within [`CHATTER_WINDOW`] that counts as chatter; a contact at 200 kHz makes 400.
 const CHATTER_CHANGES: usize = 2000;
 const CHATTER_WINDOW: f64 = 1e-3;
-/// Part of a window that need not be followed: the remainder after an event may be too short for a step \[s\].
+/// Part of a window that need not be integrated, because the remainder after an event may be too short for a step
+/// \[s\].
 const SHORTEST: f64 = 1e-12;
-/// Steps beyond which a run is given up.
+/// Number of steps after which a run is abandoned.
 const STEP_LIMIT: usize = 500_000;
-/// Part of V_02 left below the piston at which a dry fire is declared.
+/// Fraction of V_02 left below the piston at which a dry fire is declared.
 const DRY_FIRE: f64 = 1e-3;
 
 pub(crate) type Problem<'s> = OdeSolverProblem<Equations<'s>>;
 
-/// All that a run leaves for the record.
+/// Everything that a run provides for the record.
 pub(crate) struct Run {
     pub(crate) recorder: Recorder,
     pub(crate) log: Log,
@@ -47,11 +48,11 @@ pub(crate) struct Run {
     pub(crate) end: f64,
     pub(crate) last: State,
     pub(crate) last_mode: Mode,
-    /// Piston speed before and after the rod met the nail.
+    /// Piston speed before and after the rod hits the nail.
     pub(crate) impact: Option<(f64, f64)>,
-    /// Contacts closed, indexed by [`Contact`], the seat's first one before the shot not counted.
+    /// Number of contact closings, indexed by [`Contact`]; the initial contact of the seat is not counted.
     pub(crate) closings: [usize; Contact::COUNT],
-    /// Whether the tool came back down on the wood, where the record ends.
+    /// Whether the tool came back down onto the wood, which ends the record.
     pub(crate) landed: bool,
 }
 
@@ -62,19 +63,19 @@ pub(crate) struct Cycle<'s> {
     pub(crate) mode: Mode,
     pub(crate) t: f64,
     pub(crate) y: State,
-    /// Where the present window of a coupled run ends.
+    /// End of the current window of a coupled run.
     pub(crate) window: Option<f64>,
     /// Whether the step is accepted or only a trial.
     pub(crate) recording: bool,
     /// Times at which the channel switches.
     venting: f64,
     filling: Option<f64>,
-    /// Time at which the operator releases the trigger valve; none where only the rising tool does.
+    /// Time at which the operator releases the trigger valve; none if only the rising tool does.
     release: Option<f64>,
     pub(crate) end: f64,
-    /// t16, once it has passed.
+    /// t16, once it has occurred.
     home: Option<f64>,
-    /// Entries of the log already read.
+    /// Number of log entries already processed.
     read: usize,
     heights: [f64; LEVELS],
     pub(crate) armed: [bool; SLOTS],
@@ -83,14 +84,14 @@ pub(crate) struct Cycle<'s> {
     pub(crate) run: Run,
 }
 
-/// A step as far as the first condition to fall.
+/// A step up to the first condition that becomes false.
 struct Stretch {
-    /// Times and states at which it is looked at; the last one used is its end.
+    /// Times and states at which conditions are checked; the last one used is the end.
     points: [(f64, State); POINTS],
     used: usize,
     /// Time of the event that ends it, and the slot.
     event: Option<(f64, usize)>,
-    /// Margins at its end, those of the step where an event cut it back.
+    /// Margins at its end; those at the end of the step if an event cut it back.
     margin: [f64; SLOTS],
 }
 
@@ -151,7 +152,7 @@ impl<'s> Cycle<'s> {
 
     /// Ends the record.
     pub(crate) fn finish(mut self, problem: &Problem<'s>) -> Run {
-        // The last sample is at the end itself if the end is on the grid.
+        // If the end is on the grid, the last sample is exactly at the end.
         let (t, y, mode) = (self.t, self.y, self.mode);
         let recorder = &mut self.run.recorder;
         if !self.run.landed && recorder.next_time() <= t * (1.0 + 4.0 * f64::EPSILON) {
@@ -172,7 +173,8 @@ impl<'s> Cycle<'s> {
             .atol(tolerances(self.system, &self.mode, self.settings.relative_tolerance))
             .build_from_eqn(Equations::new(self.system, self.mode))
             .map_err(|cause| self.failure(&cause))?;
-        // Counted over a whole segment, not in a row, so no limit: STEP_LIMIT and the least step end a hopeless run.
+        // No limit, because failures are counted over a complete segment; STEP_LIMIT and the smallest step end a
+        // hopeless run.
         problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
         problem.ode_options.min_timestep = 1e-16;
         Ok(problem)
@@ -185,7 +187,7 @@ impl<'s> Cycle<'s> {
         }
     }
 
-    /// Next time at which the smooth problem ends whatever happens.
+    /// Next time at which the smooth problem must end.
     fn stop_time(&self) -> f64 {
         let mut stop = self.window.unwrap_or(self.end);
         if self.mode.channel == Channel::Closed {
@@ -208,7 +210,7 @@ impl<'s> Cycle<'s> {
         stop
     }
 
-    /// Whether the run, or its present window, is through.
+    /// Whether the run, or its current window, is complete.
     pub(crate) fn is_through(&self) -> bool {
         match self.window {
             Some(end) => end - self.t <= SHORTEST,
@@ -226,7 +228,7 @@ impl<'s> Cycle<'s> {
             || (self.mode.channel != Channel::Filling && self.filling.is_some_and(reached))
     }
 
-    /// Releases the trigger and changes the channel where their time has come.
+    /// Releases the trigger and switches the channel if due.
     fn switch_channel(&mut self) {
         let before = self.mode.channel;
         let reached = |t: f64, due: f64| t >= due - 1e-13;
@@ -259,10 +261,10 @@ impl<'s> Cycle<'s> {
         }
     }
 
-    /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
+    /// Step size for a first-order start, from its error h^2 |y''|/3.
     fn first_step(&self, problem: &Problem<'s>, second: &State) -> f64 {
         if let Some(end) = self.window {
-            // A window is short enough to be tried in one step of a method that needs no start.
+            // A window is short enough to be tried in one step by a method that needs no starting procedure.
             return end - self.t;
         }
         let atol = problem.atol.batch_as_slice(0);
@@ -308,7 +310,7 @@ impl<'s> Cycle<'s> {
         }
     }
 
-    /// Steps to the end of the segment.
+    /// Integrates to the end of the segment.
     fn follow<'p, M>(&mut self, mut solver: M) -> Result<(), CycleError>
     where
         M: OdeSolverMethod<'p, Equations<'s>>,
@@ -390,7 +392,8 @@ impl<'s> Cycle<'s> {
         }
     }
 
-    /// The step from `from` to `to` as far as the first condition to fall; `margin` are the margins at its start.
+    /// The step from `from` to `to`, up to the first condition that becomes false; `margin` contains the margins at its
+    /// start.
     fn stretch(
         &mut self,
         from: f64,
@@ -441,7 +444,7 @@ impl<'s> Cycle<'s> {
         Ok(stretch)
     }
 
-    /// Notes the levels that define t0..t18 where the trajectory from `from` through `points` passes them.
+    /// Records when the trajectory from `from` through `points` crosses the levels that define t0..t18.
     fn note_levels(
         &mut self,
         from: f64,
@@ -468,7 +471,7 @@ impl<'s> Cycle<'s> {
         Ok(())
     }
 
-    /// Applies the event of `slot` at the present time.
+    /// Applies the event of `slot` at the current time.
     fn cross(&mut self, slot: usize) -> Result<(), CycleError> {
         let (window, count) = &mut self.chatter[slot];
         if self.t - *window > CHATTER_WINDOW {
@@ -528,7 +531,7 @@ impl<'s> Cycle<'s> {
         self.run.work.events += 1;
     }
 
-    /// Ends the run where the model does.
+    /// Ends the run where the model becomes invalid.
     fn guard(&self) -> Result<(), CycleError> {
         let now = self.system.instant(&self.y);
         let c = &self.system.p.chambers;
@@ -541,7 +544,7 @@ impl<'s> Cycle<'s> {
         }
         for (i, name) in VOLUME_NAMES.iter().enumerate() {
             let (size, mass) = (now.volume[i], self.y[MASS + i]);
-            // The published gas law does not tie the gas to the mass that it has taken in and given off (C-02).
+            // The published gas law does not relate the gas to the mass that has flowed in and out (C-02).
             let massless = mass <= 0.0 && self.system.p.model.gas == Form::Corrected;
             if !(size > 0.0 && !massless && self.y[ENERGY + i] > 0.0) {
                 return Err(CycleError::Collapse {
@@ -555,7 +558,7 @@ impl<'s> Cycle<'s> {
         Ok(())
     }
 
-    /// Sets the results of the log so far: release of the trigger, landing, end of the record.
+    /// Updates the schedule from the log so far: release of the trigger, landing, end of the record.
     fn schedule(&mut self) {
         let log = &self.run.log;
         if log.len() > self.read {

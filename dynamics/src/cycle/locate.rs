@@ -1,7 +1,7 @@
-//! Sign changes on an interpolant.
+//! Locates sign changes on an interpolant.
 
 /// Last point of the narrowest bracket of a sign change of `f` between `a` and `b` (Illinois variant of regula falsi,
-/// Dowell and Jarratt 1971), safeguarded by bisection; the point returned has the sign of `fb`.
+/// Dowell and Jarratt 1971, safeguarded by bisection); the point returned has the sign of `fb`.
 pub(crate) fn locate<E>(
     mut a: f64,
     mut b: f64,
@@ -17,11 +17,11 @@ pub(crate) fn locate<E>(
             break;
         }
         let mut c = b - fb * width / (fb - fa);
-        // Jumps and flat stretches make the secant creep.
+        // Jumps and flat sections slow the secant method down.
         if iteration % 8 == 7 || !(a..=b).contains(&c) {
             c = a + 0.5 * width;
         }
-        // A secant that hits the root from one side would never move the other.
+        // A secant that hits the root from one side would never move the other end.
         c = c.clamp(a + least, b - least);
         if !(c > a && c < b) {
             break;
@@ -52,7 +52,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Where `f` changes sign in 0..1, and in how many evaluations.
+    /// Where `f` changes sign in 0..1, and the number of evaluations needed.
     fn found(f: impl Fn(f64) -> f64) -> (f64, usize) {
         let mut count = 0;
         let counted = |x: f64| {

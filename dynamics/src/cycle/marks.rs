@@ -1,25 +1,25 @@
-//! The log of a run: passages of the levels that define the events, and what changed the mode.
+//! The log of a run: crossings of the levels that define events, and changes of the mode.
 
 use super::mode::Mode;
 use super::state::*;
 use super::system::System;
 use crate::{Crossing, Direction, Events, LogEntry, LogState};
 
-// Thresholds of the events. Chosen, unless a source is named: small against the stroke and the lift, and large against
-// the tolerance of the integration. They decide where one interval between events ends and the next begins, and neither
-// the motion nor the level of a source over the whole shot.
+// Thresholds of the events. Unless a source is given, they are chosen: small compared with the stroke and the lift, and
+// large compared with the integration tolerance. They determine where one interval between events ends and the next
+// begins, but affect neither the motion nor a source's level over the complete shot.
 
-/// Piston travel of the position mark that t7 and t15 refer to \[m\]: the position of the thesis' sensor (1.4.2.1).
+/// Piston travel of the position mark used by t7 and t15 \[m\]: the position of the sensor in the thesis (1.4.2.1).
 const POSITION_MARK: f64 = 50.51e-3;
 /// Valve lift at t1 \[m\].
 const FIRST_LIFT: f64 = 10e-6;
-/// Part of the supply's overpressure left above the valve at t2.
+/// Fraction of the supply's gauge pressure left above the valve at t2.
 const CONTROL_LEVEL: f64 = 0.10;
 /// Piston travel at t4 \[m\].
 const FIRST_TRAVEL: f64 = 0.1e-3;
-/// Speed below which the piston rests, t11 and t18 \[m/s\].
+/// Speed below which the piston counts as at rest, t11 and t18 \[m/s\].
 const REST_SPEED: f64 = 0.1;
-/// Time it must rest \[s\].
+/// Minimum duration of rest \[s\].
 const REST_TIME: f64 = 2e-3;
 /// Speed below which the return stroke has not begun, t14 \[m/s\].
 const STILL_SPEED: f64 = 0.05;
@@ -28,13 +28,13 @@ const BLOWN_RATIO: f64 = 1.02;
 /// Earliest end of the exhaust after t13 \[s\].
 const BLOW_TIME: f64 = 1e-3;
 
-/// Least speed of a body for a true reversal; a slower one is the settling of a contact \[m/s\].
+/// Smallest speed of a body for a genuine reversal; slower reversals are the settling of a contact \[m/s\].
 const REVERSAL_SPEED: f64 = 10e-3;
 
 /// Number of levels that are watched.
 pub(crate) const LEVELS: usize = 24;
 
-/// The levels, in the order of their heights.
+/// The levels, in the order of `heights`.
 const ORDER: [Crossing; LEVELS] = [
     Crossing::FirstLift,
     Crossing::ControlPressure,
@@ -61,11 +61,11 @@ const ORDER: [Crossing; LEVELS] = [
     Crossing::ValveReversal,
     Crossing::ToolReversal,
 ];
-/// The reversals are the last of them.
+/// Number of reversals, which come last.
 const REVERSALS: usize = 3;
 const FIRST_REVERSAL: usize = LEVELS - REVERSALS;
 
-/// Height of the trajectory above every level.
+/// Height of the trajectory above each level.
 pub(crate) fn heights(system: &System, mode: &Mode, y: &State) -> [f64; LEVELS] {
     let p = &system.p;
     let now = system.instant(y);
@@ -102,18 +102,18 @@ pub(crate) fn heights(system: &System, mode: &Mode, y: &State) -> [f64; LEVELS] 
     ]
 }
 
-/// All entries in order of time.
+/// All entries in chronological order.
 #[derive(Debug, Clone)]
 pub(crate) struct Log {
     entries: Vec<LogEntry>,
     stroke: f64,
     ambient: f64,
-    /// Time at which the operator releases the trigger valve; 0 where only the rising tool does \[s\].
+    /// Time at which the operator releases the trigger valve; 0 if only the rising tool does \[s\].
     release_after: f64,
     t13_blown: Option<bool>,
-    /// Largest speed since its last reversal of each body whose reversals are watched.
+    /// For each body whose reversals are recorded, the largest speed since its last reversal.
     swing: [f64; REVERSALS],
-    /// The last reversal of each after slow motion, which counts if fast motion follows.
+    /// For each of them, the last reversal after slow motion, which counts if fast motion follows.
     slow: [Option<LogEntry>; REVERSALS],
 }
 
@@ -130,7 +130,7 @@ impl Log {
         }
     }
 
-    /// Notes the passage of a level; a reversal counts with fast motion before or after it.
+    /// Records the crossing of a level; a reversal counts only if the motion is fast before or after it.
     pub(crate) fn level(&mut self, (system, mode): (&System, &Mode), level: usize, time: f64, rising: bool, y: &State) {
         let entry = Self::entry((system, mode), ORDER[level], time, rising, y);
         let Some(body) = level.checked_sub(FIRST_REVERSAL) else {
@@ -139,7 +139,7 @@ impl Log {
         };
         let slow = std::mem::replace(&mut self.swing[body], 0.0) < REVERSAL_SPEED;
         match (slow, self.slow[body].take()) {
-            // Two slow turns are none.
+            // Two successive slow reversals do not count.
             (true, Some(_)) => {}
             (true, None) => self.slow[body] = Some(entry),
             (false, earlier) => {
@@ -152,14 +152,14 @@ impl Log {
         }
     }
 
-    /// Follows the speeds of the bodies whose reversals are watched.
+    /// Tracks the speeds of the bodies whose reversals are recorded.
     pub(crate) fn follow(&mut self, heights: &[f64; LEVELS]) {
         for (swing, speed) in self.swing.iter_mut().zip(&heights[FIRST_REVERSAL..]) {
             *swing = swing.max(speed.abs());
         }
     }
 
-    /// Notes events other than the passage of a level.
+    /// Records events other than level crossings.
     pub(crate) fn push(&mut self, place: (&System, &Mode), crossing: Crossing, time: f64, rising: bool, y: &State) {
         self.add(Self::entry(place, crossing, time, rising, y));
     }
@@ -214,12 +214,13 @@ impl Log {
             .find(|c| c.crossing == crossing && c.is_rising() == rising && c.time >= after)
     }
 
-    /// First time after `after` from which |v_pr| stays below the speed of rest for the time of rest, known at `now`.
+    /// First time after `after` from which |v_pr| stays below the rest speed for the rest time, as far as known at
+    /// `now`.
     pub(crate) fn rest(&self, after: f64, now: f64) -> Option<f64> {
         let mut slow = None;
         for c in self.entries.iter().filter(|c| c.crossing == Crossing::RestSpeed) {
             if c.time <= after {
-                // Slow already at `after`: rest counts from there.
+                // Already slow at `after`: rest is counted from there.
                 slow = (!c.is_rising()).then_some(after);
                 continue;
             }
@@ -244,7 +245,7 @@ impl Log {
         self.first(Crossing::PistonOffStopper, false, t15)
     }
 
-    /// Reads t0..t18 from the crossings; `end` is the last time integrated.
+    /// Determines t0..t18 from the crossings; `end` is the last time integrated.
     pub(crate) fn events(&self, end: f64) -> Events {
         let up = |crossing, after: Option<f64>| after.and_then(|t| self.first(crossing, true, t));
         let down = |crossing, after: Option<f64>| after.and_then(|t| self.first(crossing, false, t));
@@ -330,7 +331,7 @@ impl Log {
         }
     }
 
-    /// Total time within `from..to` above a level, with the height at t = 0 being `above` or not.
+    /// Total time above a level within `from..to`; `above` states whether the height at t = 0 is above it.
     pub(crate) fn time_above(&self, crossing: Crossing, above: bool, from: f64, to: f64) -> f64 {
         let mut above = above;
         let mut last = from;

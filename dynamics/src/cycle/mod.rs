@@ -37,12 +37,12 @@ pub(crate) use locate::locate;
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 
-/// Computes one nailing cycle, from the trigger pull to 5 ms after the piston has come to rest at the top. It ends at
-/// `settings.end` or the tool's landing at the latest.
+/// Computes one nailing cycle, from the trigger pull to 5 ms after the piston comes to rest at the top. It ends no
+/// later than `settings.end` or the landing of the tool.
 ///
 /// # Errors
-/// [`CycleError`]. A number out of range, a design outside the model (spring range, overlapping laps, tool not seated,
-/// valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
+/// [`CycleError`]. A value is out of range, the design is outside the model (spring range, overlapping laps, tool not
+/// seated, valve not closed), a dry fire occurs, a contact chatters, or the integration cannot continue.
 pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
     start::check(parameters)?;
     settings.check()?;
@@ -52,9 +52,9 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
 }
 
 /// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the
-/// cycle act on the structure, its motion acts on the cycle, and both agree at every sample.
+/// cycle act on the structure, its motion acts on the cycle, and both are consistent at every sample.
 ///
-/// The record then has the surface under the nose as its workpiece and the structure's support as its support.
+/// The record's workpiece is then the surface under the nose, and its support that of the structure.
 ///
 /// # Errors
 /// Those of [`simulate`], [`CycleError::Coupling`], and those of the structure.

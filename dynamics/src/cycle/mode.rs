@@ -1,13 +1,13 @@
-//! Which contacts are closed and which passages open: the discrete state between two events.
+//! Which contacts are closed and which passages are open: the discrete state between two events.
 //!
-//! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
-//! to it: no force or flow has a branch on the sign of a gap.
+//! For a fixed mode, the right-hand side is smooth for any state, so a step may extend beyond an event and be cut back
+//! to it: no force or flow depends on the sign of a gap.
 
 use super::state::{V_W, Y_W};
 use super::wood::DrivenWood;
 use nailnoise_penetration::Real;
 
-/// A contact that pushes with F = k u + c u' while closed.
+/// A contact with the force F = k u + c u' while closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
 pub(crate) enum Contact {
@@ -45,15 +45,15 @@ impl Contact {
 /// How the rod acts on the wood through the nail.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Penetration {
-    /// No force: the rod is above the wood, or off the nail it has driven to `deepest` against `force`.
+    /// No force: the rod is above the wood, or off the nail, which it has driven to `deepest` against `force`.
     Free { deepest: f64, force: f64 },
-    /// The nail goes deeper, F = E(z); `seated` beyond its length.
+    /// The nail moves deeper, F = E(z); `seated` beyond its length.
     Loading { seated: bool },
     /// The seated nail springs back, F = force + k_u (z - deepest).
     Unloading { deepest: f64, force: f64 },
 }
 
-/// Where the nail is with respect to the rod.
+/// Position of the nail relative to the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NailState {
     /// In the magazine's guide, at rest.
@@ -77,7 +77,7 @@ pub(crate) enum Channel {
 pub(crate) struct Mode {
     /// Closed contacts, indexed by [`Contact`].
     pub(crate) closed: [bool; Contact::COUNT],
-    /// Whether the guard spring reaches the wood.
+    /// Whether the guard spring touches the wood.
     pub(crate) guard: bool,
     /// Whether the intake is open.
     pub(crate) intake: bool,
@@ -89,13 +89,13 @@ pub(crate) struct Mode {
     pub(crate) penetration: Penetration,
     /// Nail.
     pub(crate) nail: NailState,
-    /// Trigger channel at its far end, where a switching arrives late.
+    /// State of the trigger channel at its far end, where switching arrives with a delay.
     pub(crate) channel: Channel,
-    /// v0, speed of the rod against the wood just before it struck the nail \[m/s\].
+    /// v0, speed of the rod relative to the wood just before it hit the nail \[m/s\].
     pub(crate) impact: f64,
     /// Whether the trigger is released (latched).
     pub(crate) released: bool,
-    /// Motion of the wood if it is not a mass of the cycle.
+    /// Motion of the wood, if it is not a mass of the cycle.
     pub(crate) wood: Option<DrivenWood>,
 }
 

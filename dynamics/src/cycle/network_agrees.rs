@@ -1,4 +1,4 @@
-//! The N80CB as a network has the rates and the Jacobian of the fixed cycle at random states and modes.
+//! Checks that the N80CB as a network has the same rates and Jacobian as the fixed cycle, at random states and modes.
 #![allow(clippy::unwrap_used)]
 
 use super::history::Past;
@@ -14,7 +14,7 @@ use crate::network::plan::Plan;
 use crate::network::rates::Workspace;
 use nailnoise_penetration::Dual;
 
-/// Bodies of the network; the fixed cycle has the hand as a fifth.
+/// Number of bodies in the network; the fixed cycle has the hand as a fifth.
 const NETWORK_BODIES: usize = 4;
 
 struct Random(u64);
@@ -33,13 +33,13 @@ impl Random {
     }
 }
 
-/// Index of a state of the fixed cycle for each state of the network.
+/// For each state of the network, the index of the state of the fixed cycle.
 fn places() -> Vec<usize> {
     let bodies = 0..2 * NETWORK_BODIES;
     bodies.chain(ENERGY..ENERGY + 2 * VOLUMES).collect()
 }
 
-/// A state within the travels, with pressures and temperatures of a shot.
+/// A state within the travels, with typical pressures and temperatures of a shot.
 fn state(system: &System, random: &mut Random) -> State {
     let mut y = start(system, None).unwrap().0;
     let p = &system.p;
@@ -61,7 +61,7 @@ fn state(system: &System, random: &mut Random) -> State {
     y
 }
 
-/// A mode of the fixed cycle and the same of the network.
+/// A mode of the fixed cycle and the equivalent mode of the network.
 fn mode(system: &System, plan: &Plan, random: &mut Random) -> (Mode, Switches) {
     let mut fixed = start(system, None).unwrap().1;
     let mut network = Switches::new(plan);
@@ -109,7 +109,7 @@ fn mode(system: &System, plan: &Plan, random: &mut Random) -> (Mode, Switches) {
     (fixed, network)
 }
 
-/// Asserts that two numbers agree to 1e-12 of the size of their terms.
+/// Asserts that two numbers agree to 1e-12 of the magnitude of their terms.
 fn agree(what: &str, a: f64, b: f64, size: f64) {
     assert!((a - b).abs() <= 1e-12 * (a.abs() + size), "{what}: {a} {b}");
 }
@@ -142,7 +142,7 @@ fn rates_and_jacobian_are_those_of_the_fixed_cycle() {
         let forces = w.contact.iter().map(|c| c.force.abs()).sum::<f64>() + w.fastener[0][0].abs() + 1e4;
         plan.jacobian(0.0, &own, &network, &mut w, &mut jacobian);
         for (row, place) in places.iter().enumerate() {
-            // Accelerations, powers of a kilowatt, flows of 10 g/s.
+            // Magnitudes: accelerations, powers of a kilowatt, flows of 10 g/s.
             let size = match row {
                 row if row < plan.energy() => forces / 0.02,
                 row if row < plan.mass() => 1e3,
@@ -152,7 +152,7 @@ fn rates_and_jacobian_are_those_of_the_fixed_cycle() {
             for (column, from) in places.iter().enumerate() {
                 let found = jacobian.values()[column * plan.size() + row];
                 let slope = expected[*place].slope[*from];
-                // The largest terms of a row and of a column bound what cancels in an entry.
+                // The largest terms of a row and a column bound the cancellation in an entry.
                 let whole: f64 = (0..places.len())
                     .map(|k| jacobian.values()[column * plan.size() + k].abs())
                     .filter(|_| row >= 2 * NETWORK_BODIES)

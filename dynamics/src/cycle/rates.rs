@@ -26,7 +26,7 @@ impl System {
             rate[2 * body + 1] = acceleration;
         }
 
-        // Flow carries the enthalpy of where it comes from.
+        // Flow carries the enthalpy of the volume it comes from.
         let cp = self.air.cp;
         let ta = p.ambient.temperature;
         let from = |flow: S, source: S, target: S| if flow.value() >= 0.0 { flow * source } else { flow * target } * cp;
@@ -91,7 +91,7 @@ impl System {
         rate[SUPPLY_ENTHALPY] = hose_h;
         rate[HEAT] = sum(heat);
         rate[GAS_WORK] = sum(work);
-        // Of the work on volume 1 the valve's underside has its own.
+        // The valve's underside has its own share of the work on volume 1.
         rate[PISTON_WORK] = (f.piston_gas + p.ambient.pressure * g.rod_area) * travel_rate;
         rate[PISTON_FRICTION] = f.piston_friction * travel_rate;
         rate[VALVE_FRICTION] = f.valve_friction * valve_rate;
@@ -110,7 +110,7 @@ impl System {
         rate[THRUST_WORK] = thrust * y[V_G];
         let mut mass = self.moving_mass(mode) + p.head_valve.mass + p.tool.mass;
         if mode.wood.is_some() {
-            // The bodies of the cycle rest on the wood itself.
+            // With external wood, the bodies of the cycle rest on the wood itself.
             rate[SUPPORT_IMPULSE] = f.penetration + seat;
             rate[WOOD_WORK] = f.penetration * mode.nail_motion(y).1 + seat * mode.seat_motion(y).1;
         } else {
@@ -122,7 +122,7 @@ impl System {
         rate
     }
 
-    /// dU/dt of the published gas law, for the energy U = P V/(gamma - 1) that is carried (C-02).
+    /// dU/dt of the published gas law, for the state U = P V/(gamma - 1) (C-02).
     ///
     /// ```text
     /// P' = R T_a/V (alpha_in sum(in) - alpha_o sum(out)) - alpha P V'/V
@@ -132,7 +132,7 @@ impl System {
     fn polytropic_energy<S: Real>(&self, flows: &Flows<S>, work: &[S; VOLUMES]) -> [S; VOLUMES] {
         let m = &self.p.model;
         let (inward, outward) = (m.polytropic_inflow, m.polytropic_outflow);
-        // The amounts that a flow takes from its source and gives to its destination, by its direction.
+        // The amounts that a flow removes from its source and adds to its destination, depending on its direction.
         let weigh = |flow: S, forth: f64, back: f64| {
             if flow.value() >= 0.0 {
                 (flow * forth, flow * inward)

@@ -29,7 +29,7 @@ impl Recorder {
         }
     }
 
-    /// Makes room for the samples up to `end`.
+    /// Allocates memory for the samples up to `end`.
     pub(crate) fn reserve(&mut self, end: f64) {
         let n = (end / self.interval) as usize + 2;
         let (m, f, x, v) = (&mut self.motion, &mut self.forces, &mut self.exhaust, &mut self.vent);
@@ -71,8 +71,8 @@ impl Recorder {
             &mut v.pressure,
             &mut v.temperature,
         ];
-        // Columns of equal length would be at distances of whole pages, and one sample would fill one set of the cache;
-        // an offset of a cache line for each column avoids it.
+        // If columns were whole pages apart, one sample would occupy a single set of the cache; offsetting each column
+        // by a cache line avoids this.
         bodies
             .chain(volumes)
             .chain(others)
@@ -97,7 +97,7 @@ impl Recorder {
         let now = system.instant(y);
         let e = system.forces(y, &now, mode);
         self.peak(&e, mode, y);
-        // The trend of the last two samples.
+        // Extrapolated from the last two samples.
         let near = match self.exhaust.plenum_pressure[..] {
             [.., before, last] => Some(2.0 * last - before),
             _ => None,
@@ -166,7 +166,7 @@ impl Recorder {
         v.temperature.push(gas[CONTROL].temperature);
     }
 
-    /// Follows peaks between the samples.
+    /// Updates the peaks between samples.
     pub(crate) fn follow(&mut self, system: &System, mode: &Mode, y: &State) {
         self.peak(&system.forces(y, &system.instant(y), mode), mode, y);
     }
@@ -186,7 +186,7 @@ impl Recorder {
         highest(&mut s.peak_support_force, support);
     }
 
-    /// Peaks so far, everything else empty.
+    /// Peaks so far, with everything else empty.
     pub(crate) fn peaks(&self) -> Summary {
         self.peaks.clone()
     }

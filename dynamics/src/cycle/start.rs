@@ -11,7 +11,7 @@ use super::wood::DrivenWood;
 use crate::{CycleError, Parameters, SupportDamping, WoodMotion};
 use nailnoise_penetration::ResistanceLaw;
 
-/// Refuses designs outside the validity of the model.
+/// Rejects designs outside the validity of the model.
 pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
     check_numbers(p)?;
     let valve = &p.head_valve;
@@ -65,10 +65,10 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         "nail.length",
         p.nail.length,
     )?;
-    if p.nail.length > p.workpiece.thickness {
+    if p.nail.length > p.workpiece.thickness - p.workpiece.groove {
         return Err(CycleError::NailLongerThanBlock {
             length: p.nail.length,
-            thickness: p.workpiece.thickness,
+            thickness: p.workpiece.thickness - p.workpiece.groove,
         });
     }
     if p.nail.length > p.nail.feed_height {
@@ -157,7 +157,7 @@ pub(crate) fn seat_force(system: &System) -> Result<f64, CycleError> {
 /// y_hr = L_h + F_close/k_hc2,  F_close = P_h A_h1 - P_ext A_h2 - P_1 A_h3 + F_s(y_sp) + M_h g
 /// ```
 ///
-/// On a wood outside the cycle y_w is its rest position.
+/// On external wood, y_w is its rest position.
 pub(crate) fn start(system: &System, rest: Option<&WoodMotion>) -> Result<(State, Mode), CycleError> {
     let (p, geometry) = (&system.p, &system.geometry);
     let gravity = p.ambient.gravity;

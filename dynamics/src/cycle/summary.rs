@@ -49,7 +49,7 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
     }
 }
 
-/// Whether the depth of the head is part of the model: in the published form the nail ends with its first reversal.
+/// Whether the model includes the depth of the head; in the published form, the nail ends with its first reversal.
 fn models_the_head(system: &System) -> bool {
     system.p.model.nail == Form::Corrected
 }
@@ -83,7 +83,7 @@ fn summarise(system: &System, run: &Run, events: &Events) -> Summary {
     let full = run.log.first(Crossing::FullDepth, true, 0.0);
     let drive = |(start, end): (f64, f64)| system.p.nail.length / (end - start);
     let opened = events.t3;
-    // Intake open from t3 until it closes again or the record ends.
+    // The intake is open from t3 until it closes again or the record ends.
     let intake = opened.map(|t3| (t3, run.log.first(Crossing::Intake, false, t3).unwrap_or(run.end)));
     let blow = events.t13.zip(events.t17);
     let share = |(from, to): (f64, f64), time: f64| time / (to - from);
@@ -107,7 +107,7 @@ fn summarise(system: &System, run: &Run, events: &Events) -> Summary {
         vent_mass: y[VENT_MASS],
         leak_mass: y[LEAK_MASS],
         supply_mass: y[SUPPLY_MASS],
-        // P_1 starts below the choked level of the supply, and P_a/P_1 above the critical ratio.
+        // P_1 starts below the choking level of the supply, and P_a/P_1 above the critical ratio.
         intake_choked_fraction: intake.map(|(from, to)| {
             share(
                 (from, to),

@@ -1,14 +1,14 @@
-//! When the mode changes, and to what.
+//! When the mode changes, and what it changes to.
 //!
-//! Each slot watches one condition of the current mode through a margin that is positive while the condition is true;
-//! the event is its fall through zero.
+//! Each slot monitors one condition of the current mode through a margin that is positive while the condition is true;
+//! the event occurs when the margin falls through zero.
 
 use super::mode::{Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
 use crate::{Crossing, Form};
 
-/// Number of watched conditions.
+/// Number of monitored conditions.
 pub(crate) const SLOTS: usize = 13;
 
 const GUARD: usize = 6;
@@ -19,7 +19,7 @@ const NAIL: usize = 10;
 const DEPTH_UP: usize = 11;
 const DEPTH_DOWN: usize = 12;
 
-/// The object of a slot, for messages.
+/// Name of the object monitored by a slot, for messages.
 pub(crate) fn slot_name(slot: usize) -> &'static str {
     match slot {
         GUARD => "the guard spring",
@@ -32,7 +32,7 @@ pub(crate) fn slot_name(slot: usize) -> &'static str {
     }
 }
 
-/// The log entry for the event of `slot` from one mode to another, if it is more than the passage of a level.
+/// The log entry for the event of `slot` between two modes, unless it is only a level crossing.
 pub(crate) fn entry(slot: usize, before: &Mode, after: &Mode) -> Option<(Crossing, bool)> {
     let loading = |mode: &Mode| matches!(mode.penetration, Penetration::Loading { .. });
     let pressing = |mode: &Mode| !matches!(mode.penetration, Penetration::Free { .. });
@@ -57,7 +57,7 @@ const CONTACTS: [Crossing; Contact::COUNT] = [
     Crossing::SupportContact,
 ];
 
-/// Margins of all conditions of `mode` at `y`; infinite where nothing is watched.
+/// Margins of all conditions of `mode` at `y`; infinite if nothing is monitored.
 pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     let mut margin = [f64::INFINITY; SLOTS];
     let p = &system.p;
@@ -71,7 +71,7 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         };
         let spring = system.springs[contact as usize];
         let push = u + spring.damping / spring.stiffness * rate;
-        // Closing needs overlap and a pushing force; a contact that overlaps while its force falls below zero stays
+        // Closing requires overlap and a pushing force; a contact that overlaps while its force is negative remains
         // open. Published contacts may pull, so only overlap counts (C-13).
         let push = if p.model.contacts == Form::Published { u } else { push };
         margin[contact as usize] = if mode.closed(contact) { push } else { -u.min(push) };
@@ -92,12 +92,12 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         NailState::Left => f64::INFINITY,
     };
     let z = system.depth(mode, y);
-    // The test for contact of the tip uses the motion without its own force, like that for the nose.
+    // The contact test of the tip uses the motion without its own force, like that of the nose.
     let touching = mode
         .wood
         .map_or(z, |wood| y[Y_P] - wood.free_nail(y) - system.geometry.tip_gap);
     if p.model.nail == Form::Published {
-        // Reversible: the force is a function of depth until the first reversal, and nothing afterwards (C-09).
+        // Reversible: the force is a function of depth until the first reversal, and zero afterwards (C-09).
         match mode.penetration {
             Penetration::Loading { seated: false } => {
                 margin[DEPTH_UP] = p.nail.length - z;
@@ -128,23 +128,23 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     margin
 }
 
-/// Rounding of the terms of the margins; a condition is watched once its margin has exceeded it.
+/// Rounding error of the margins' terms; a condition is monitored once its margin has exceeded this.
 ///
-/// A contact whose damping makes it let go just as it is pressed shut again grazes: its push touches zero and turns.
-/// The overlap, 1e-9 m on a cap of 1e11 N/m, is the difference of positions of centimetres. The last digits of these
-/// would open and close the contact thousands of times before the push has risen out of them.
+/// A damped contact grazes if it lets go just as it is pressed shut again: its force touches zero and rises. The
+/// overlap, 1e-9 m on a cap of 1e11 N/m, is a difference between positions of centimetres. Rounding of these would open
+/// and close the contact thousands of times before its force has risen above the noise.
 pub(crate) fn noise(system: &System) -> [f64; SLOTS] {
     let mut noise = [0.0; SLOTS];
     noise[..Contact::COUNT].fill(16.0 * f64::EPSILON * system.p.piston.stroke);
     noise
 }
 
-/// Whether `slot` watches the rod on the nail.
+/// Whether `slot` monitors the rod on the nail.
 pub(crate) fn is_nail(slot: usize) -> bool {
     slot == NAIL
 }
 
-/// Whether the event of `slot` is the rod meeting the nail.
+/// Whether the event of `slot` is the impact of the rod on the nail.
 pub(crate) fn is_impact(slot: usize, mode: &Mode) -> bool {
     slot == NAIL && mode.nail == NailState::Waiting
 }
@@ -162,8 +162,8 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
         NAIL => match mode.nail {
             NailState::Waiting => {
                 mode.impact = y[V_P] - mode.nail_motion(y).1;
-                // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed without it
-                // (C-08).
+                // Plastic impact of the rod on the nail at rest; in the published form, the nail acquires its speed
+                // without it (C-08).
                 if system.p.model.impact == Form::Corrected {
                     y[V_P] *= system.p.piston.mass / (system.p.piston.mass + system.geometry.nail_mass);
                 }
@@ -223,7 +223,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
     }
 }
 
-/// z_max, deepest nail tip depth so far, at least 0.
+/// z_max, largest nail tip depth so far, at least 0.
 pub(crate) fn deepest(system: &System, mode: &Mode, y: &[f64]) -> f64 {
     match mode.penetration {
         Penetration::Free { deepest, .. } | Penetration::Unloading { deepest, .. } => deepest,

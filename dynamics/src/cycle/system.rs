@@ -1,4 +1,4 @@
-//! Constants of a cycle, and the results of a state without a force or a flow: kinematics, volumes, gas.
+//! Constants of a cycle, and the properties of a state without forces and flows: kinematics, volumes, gas.
 
 use super::gas::{Air, Gas};
 use super::mode::{Contact, Mode, NailState};
@@ -24,13 +24,13 @@ pub(crate) struct System {
     pub(crate) springs: [SpringDashpot; Contact::COUNT],
     /// k_esg = k_sg k_wsn/(k_sg + k_wsn) (C-12).
     pub(crate) guard_stiffness: f64,
-    /// A_h3 as far as P_1 acts on it, zero in the published form (C-06).
+    /// A_h3 as far as P_1 acts on it; zero in the published form (C-06).
     pub(crate) underside_area: f64,
-    /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form
+    /// Areas with which the valve sweeps the volume above the piston and the supply side; zero in the published form
     /// (C-07).
     pub(crate) sweep: [f64; 2],
     pub(crate) envelope: Envelope,
-    /// C_d A of check-ring holes, return holes, leak, hose and exhaust holes \[m2\].
+    /// C_d A of the check-ring holes, return holes, leak, hose and exhaust holes \[m2\].
     pub(crate) check_area: f64,
     pub(crate) return_area: f64,
     pub(crate) leak_area: f64,
@@ -41,7 +41,7 @@ pub(crate) struct System {
     /// Sine and cosine of the seats' angles.
     pub(crate) intake_angle: (f64, f64),
     pub(crate) exhaust_angle: (f64, f64),
-    /// Whether the hand is a mass on a spring rather than only a force.
+    /// Whether the hand is a mass on a spring instead of only a force.
     pub(crate) sprung_hand: bool,
 }
 
@@ -137,7 +137,7 @@ impl System {
         }
     }
 
-    /// M_t, mass that moves with the piston.
+    /// M_t, the mass that moves with the piston.
     pub(crate) fn moving_mass(&self, mode: &Mode) -> f64 {
         match mode.nail {
             NailState::Attached => self.p.piston.mass + self.geometry.nail_mass,

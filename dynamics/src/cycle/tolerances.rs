@@ -1,16 +1,17 @@
-//! What error of each state a tolerance allows.
+//! Absolute tolerance of each state.
 
 use super::mode::Mode;
 use super::state::*;
 use super::system::System;
 
-/// Size of quantities without an error weight: the integrals, the hand if it is massless, the wood if it is driven.
+/// Size of quantities without an error weight: the integrals, the hand if massless, the wood if its motion is
+/// prescribed.
 const UNWEIGHTED: f64 = 1e30;
 
-/// Absolute tolerances: every state has a characteristic size, and its error is limited to the tolerance times that
-/// size.
+/// Absolute tolerances: every state has a characteristic size, and its error is limited to the relative tolerance times
+/// that size.
 ///
-/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is,
+/// Relative weights would not work: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is,
 /// and a gas energy of 1 kJ must not loosen that of 1 J.
 pub(crate) fn tolerances(system: &System, mode: &Mode, relative: f64) -> Vec<f64> {
     let p = &system.p;
@@ -41,7 +42,7 @@ pub(crate) fn tolerances(system: &System, mode: &Mode, relative: f64) -> Vec<f64
         size[ENERGY + i] = p.supply.pressure * volume / (system.air.gamma - 1.0);
         size[MASS + i] = p.supply.pressure * volume / (system.air.gas_constant * p.ambient.temperature);
     }
-    // The solver's norm is a mean over all entries; those without an error weight are taken out of it.
+    // The solver's norm is a mean over all entries, so those without an error weight must be excluded from it.
     let weighted = size.iter().filter(|size| **size < UNWEIGHTED).count();
     let share = (weighted as f64 / SIZE as f64).sqrt();
     size.iter().map(|size| relative * size * share).collect()

@@ -1,8 +1,8 @@
-//! Motion of the wood that an external structure prescribes.
+//! Motion of the wood prescribed by an external structure.
 //!
-//! Over one window of the coupled run the wood's surface under the nose and the wood that grips the nail follow cubics
-//! in the time since the window began. That time is a state, replacing the lumped wood's position, so that every force
-//! and every margin stays a function of the state.
+//! Over one window of the coupled run, the wood's surface under the nose and the wood that grips the nail follow cubics
+//! in the time since the start of the window. That time is a state that replaces the position of the lumped wood, so
+//! every force and margin remains a function of the state.
 
 use super::state::*;
 use crate::WoodMotion;
@@ -36,20 +36,20 @@ impl Cubic {
 pub(crate) struct DrivenWood {
     seat: Cubic,
     nail: Cubic,
-    /// The same motions without the forces of nose and nail at the window's end.
+    /// The same motions without the forces of nose and nail at the end of the window.
     free_seat: Cubic,
     free_nail: Cubic,
     /// Force of the support at both ends and the window's length.
     support: [f64; 2],
     length: f64,
-    /// Whether the nose was off the wood when the window began.
+    /// Whether the nose was off the wood at the start of the window.
     pub(crate) open_at_start: bool,
-    /// Whether the nose met the wood in this window: it then stays until the window's end.
+    /// Whether the nose met the wood in this window; it then stays in contact until the end of the window.
     pub(crate) caught: bool,
 }
 
 impl DrivenWood {
-    /// From the motions at the start, at the end, and at the end without forces there.
+    /// Creates the motion from the values at the start, at the end, and at the end without forces there.
     pub(crate) fn new(start: &WoodMotion, end: &WoodMotion, free: &WoodMotion, length: f64, open: bool) -> Self {
         Self {
             seat: Cubic::new(start.seat, end.seat, length),
@@ -63,17 +63,17 @@ impl DrivenWood {
         }
     }
 
-    /// At rest.
+    /// Wood at rest.
     pub(crate) fn at_rest(rest: &WoodMotion) -> Self {
         Self::new(rest, rest, rest, 1.0, false)
     }
 
     /// Gap margin of an open nose and its rate.
     ///
-    /// A nose that comes down on the wood with a dashpot starts with a force, which drives the wood away from it: asked
-    /// of the motion with that force, neither touch nor gap would be consistent. So the test for touch uses the motion
-    /// without it, like that for the contact of the bodies on their support; the difference is of the order of the
-    /// window squared.
+    /// A nose that lands on the wood with a dashpot starts with a finite force, which pushes the wood away. With the
+    /// motion due to that force, neither contact nor gap would be consistent. The contact test therefore uses the
+    /// motion without it, like that of the bodies on their support; the difference is of second order in the window
+    /// length.
     pub(crate) fn seat_gap(&self, y: &State) -> (f64, f64) {
         let cubic = if self.open_at_start {
             &self.free_seat

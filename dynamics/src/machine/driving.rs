@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::integrator::integrate;
 use super::{Machine, MachineError};
 use nailnoise_penetration::fit::FittedLaw;
-use nailnoise_penetration::{Driven, Resistance, ResistanceLaw, Shanks, Specimen};
+use nailnoise_penetration::{Driven, NailedWood, Resistance, ResistanceLaw, Shanks, Specimen};
 
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-12;
@@ -128,7 +128,7 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
         }
     }
     let law = Resistance::new(&Driven {
-        wood,
+        wood: &NailedWood::quasi_static(wood.clone()),
         table: None,
         fit,
         specimen: &specimen,

@@ -1,4 +1,4 @@
-//! Conservation of mass, energy and momentum along a run.
+//! Checks conservation of mass, energy and momentum during a run.
 
 use nailnoise_quantities::Check;
 
@@ -7,11 +7,11 @@ use super::mode::{Mode, friction, head};
 use super::plan::Plan;
 use super::rates::Workspace;
 
-/// Largest residual of the mechanical energy \[J\], and as a part of the energy that went through the run \[-\].
+/// Largest residual of the mechanical energy \[J\], and as a fraction of the energy exchanged during the run \[-\].
 const MECHANICS: f64 = 1e-3;
 const PART: f64 = 1e-6;
 
-/// Energies of a state and work of forces that follows from positions \[J\].
+/// Energies of a state, and work of forces that have a potential \[J\].
 #[derive(Debug, Clone, Copy)]
 struct Stock {
     gas: f64,
@@ -25,14 +25,14 @@ struct Stock {
     mass: f64,
 }
 
-/// Energy that an event took out of the bodies.
+/// Energy that an event removed from the bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lost {
     pub(crate) name: String,
     pub(crate) energy: f64,
 }
 
-/// Residuals followed through a run.
+/// Balance residuals tracked during a run.
 #[derive(Debug, Clone)]
 pub(crate) struct Audit {
     start: Stock,
@@ -43,10 +43,10 @@ pub(crate) struct Audit {
     worst_gas: f64,
     worst_mechanics: f64,
     worst_momentum: f64,
-    /// Worst residuals of mass and energy of single volumes (full ledger).
+    /// Largest residuals of mass and energy of individual volumes (full ledger).
     worst_volume: [f64; 2],
     volumes: Vec<[f64; 2]>,
-    /// Largest sum of energies exchanged, the scale of the mechanical residual.
+    /// Largest sum of exchanged energies, which scales the mechanical residual.
     turnover: f64,
 }
 
@@ -99,7 +99,7 @@ impl Plan {
         stock
     }
 
-    /// Sum of the integrals whose names begin so.
+    /// Sum of selected integrals; `of` returns the factor for a name.
     fn integrals(&self, y: &[f64], of: impl Fn(&str) -> f64) -> f64 {
         let values = &y[self.states()..];
         self.ledger
@@ -109,7 +109,7 @@ impl Plan {
             .sum()
     }
 
-    /// Mass and enthalpy that came in through the openings, less what went out.
+    /// Mass and enthalpy that entered through the openings, minus those that left.
     fn through_openings(&self, y: &[f64]) -> [f64; 2] {
         let mut sum = [0.0; 2];
         for (passage, described) in self.passages.iter().zip(&self.assembly.passages) {
@@ -134,7 +134,7 @@ impl Plan {
         places.into_iter().map(|place| y[place]).sum()
     }
 
-    /// Work of motors, tables of force and jets, less dissipation.
+    /// Work of motors, tabulated forces and jets, minus dissipation.
     fn work_less_losses(&self, y: &[f64]) -> f64 {
         let driven = self
             .forces
@@ -172,7 +172,7 @@ impl Audit {
         audit
     }
 
-    /// Mass and energy of a volume less what came in; nothing without a full ledger.
+    /// Mass and energy of a volume minus the inflow; zero without a full ledger.
     fn volume(&self, plan: &Plan, y: &[f64], volume: usize) -> [f64; 2] {
         let Some(ledger) = plan.volumes[volume].ledger else {
             return [0.0; 2];
@@ -221,7 +221,7 @@ impl Audit {
         }
     }
 
-    /// Takes up an event of a block that changed mode and velocities; `w` holds the positions.
+    /// Accounts for a block's event that changed mode and velocities; `w` contains the positions.
     pub(crate) fn cross(
         &mut self,
         plan: &Plan,
@@ -241,7 +241,7 @@ impl Audit {
                 && (after.0.switches[f.head] == head::LEFT || !f.impact)
         });
         if left {
-            // The fastener stays behind with the momentum it has; without an impact it came from nowhere.
+            // The fastener keeps its momentum when left behind; without an impact, it gained it from nowhere.
             self.momentum_jump += new.momentum - old.momentum;
         }
         if lost == 0.0 {

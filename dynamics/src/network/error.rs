@@ -1,4 +1,4 @@
-//! Errors of a network while it is compiled and run.
+//! Errors in compiling and running a network.
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// A passage that no kernel solves.
+    /// A passage is not supported by any kernel.
     #[error("passage \"{name}\" {reason}; divide it by a volume")]
     Passage {
         /// Name of the passage.
@@ -24,15 +24,15 @@ pub enum RunError {
         /// The requirement.
         rule: &'static str,
     },
-    /// An expression that needs a block that is not there, or that is nested too deeply.
+    /// An expression refers to a missing block or is nested too deeply.
     #[error("the expression of {owner} {reason}")]
     Expression {
-        /// Event, sensor or load.
+        /// The event, sensor or load that contains it.
         owner: String,
         /// What is wrong.
         reason: &'static str,
     },
-    /// A spring is compressed beyond its law.
+    /// A spring is compressed beyond the range of its law.
     #[error("spring \"{spring}\": {} mm {place}, its law holds to {} mm; shorten the travel or the preload",
         1e3 * compression, 1e3 * limit)]
     SpringLimit {
@@ -69,7 +69,7 @@ pub enum RunError {
         /// Force that remains \[N\].
         unbalanced: f64,
     },
-    /// A gas volume vanished.
+    /// A gas volume shrank to nothing.
     #[error(
         "volume \"{volume}\" shrinks to {} cm3 with {body} at {time} s (mass of its gas {mass} kg); raise dead or move \
          the stop",
@@ -87,7 +87,7 @@ pub enum RunError {
         /// Time \[s\].
         time: f64,
     },
-    /// A trigger and a gate switch each other without end.
+    /// A trigger and a gate switch each other endlessly.
     #[error("\"{trigger}\" and \"{gate}\" switch each other {count} times at {} ms; give open.delay", 1e3 * time)]
     Switching {
         /// Name of the trigger.
@@ -99,7 +99,7 @@ pub enum RunError {
         /// Time \[s\].
         time: f64,
     },
-    /// A block opens and closes without end.
+    /// A block opens and closes endlessly.
     #[error(
         "chatter: \"{block}\" changed {count} times within {window} s at {time} s; check its stiffness and damping and \
          the mass behind it"
@@ -109,12 +109,12 @@ pub enum RunError {
         block: String,
         /// Changes counted.
         count: usize,
-        /// Window they were counted in \[s\].
+        /// Window in which they were counted \[s\].
         window: f64,
         /// Time \[s\].
         time: f64,
     },
-    /// The integration could not go on.
+    /// The integration could not continue.
     #[error(
         "the integration stopped at {time} s: {cause}; a tolerance ten times smaller or larger often passes the place; \
          otherwise check the ranges of the assembly"

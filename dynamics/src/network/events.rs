@@ -1,4 +1,4 @@
-//! Named events: edges of conditions on the accepted trajectory, and the times that follow from them.
+//! Named events: edges of conditions on the accepted trajectory, and the resulting times.
 
 use super::assembly::{Condition, Edge, OutcomeTest, Pick, Word};
 use super::error::RunError;
@@ -7,16 +7,16 @@ use super::plan::Plan;
 use super::probe::{Level, Need};
 use super::rates::Workspace;
 
-/// Change of an event's condition.
+/// A change of an event's condition.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     time: f64,
     rising: bool,
-    /// Whether the further condition is satisfied there.
+    /// Whether the further condition is satisfied at that point.
     admitted: bool,
 }
 
-/// A condition whose edges are followed, and the events that it defines.
+/// A condition whose edges are recorded, and the events that it defines.
 #[derive(Debug, Clone)]
 struct Watched {
     /// Indices of comparisons, all of which must be satisfied.
@@ -34,7 +34,7 @@ struct Trace {
     admits: Vec<Level>,
 }
 
-/// Events under observation.
+/// State of all events.
 #[derive(Debug, Clone)]
 pub(crate) struct Events {
     levels: Vec<Level>,
@@ -43,9 +43,9 @@ pub(crate) struct Events {
     watched: Vec<Watched>,
     traces: Vec<Trace>,
     pub(crate) need: Need,
-    /// What the further conditions need.
+    /// How far a state must be evaluated for the further conditions.
     admission: Need,
-    /// Whether an edge was noted since the last look.
+    /// Whether an edge was recorded since the last check.
     changed: bool,
 }
 
@@ -102,7 +102,7 @@ impl Events {
         self.levels.len()
     }
 
-    /// Heights of a state evaluated as far as needed.
+    /// Computes the heights of a state, which must be evaluated as far as necessary.
     pub(crate) fn measure(&self, plan: &Plan, mode: &Mode, w: &Workspace, heights: &mut [f64]) {
         for (level, height) in self.levels.iter().zip(heights) {
             *height = level.height(plan, mode, w);
@@ -119,7 +119,7 @@ impl Events {
         &self.heights
     }
 
-    /// Takes the heights of the state at t = 0.
+    /// Sets the initial heights, those of the state at t = 0.
     pub(crate) fn begin(&mut self, heights: Vec<f64>) {
         self.heights = heights;
         for watched in &mut self.watched {
@@ -130,12 +130,12 @@ impl Events {
         }
     }
 
-    /// What must be known of a state at which a condition changes.
+    /// How far a state must be evaluated when a condition changes.
     pub(crate) fn at_edges(&self) -> Need {
         self.admission
     }
 
-    /// Takes the passage of one level, to a height of the new sign; the state there is in the workspace.
+    /// Records the crossing of one level to a height with the new sign; the workspace contains the state there.
     pub(crate) fn pass(&mut self, level: usize, time: f64, height: f64, plan: &Plan, mode: &Mode, w: &Workspace) {
         self.heights[level] = height;
         for watched in self
@@ -161,12 +161,12 @@ impl Events {
         }
     }
 
-    /// Takes the heights at the end of a stretch.
+    /// Sets the heights at the end of a step.
     pub(crate) fn settle(&mut self, heights: &[f64]) {
         self.heights.copy_from_slice(heights);
     }
 
-    /// Takes a word that a block logs; the state is in the workspace.
+    /// Processes a word logged by a block; the workspace contains the state.
     pub(crate) fn hear(&mut self, word: Word, time: f64, plan: &Plan, mode: &Mode, w: &Workspace) {
         for (event, trace) in plan.assembly.events.iter().zip(&mut self.traces) {
             if event.edge == Edge::Logged(word) {
@@ -181,12 +181,12 @@ impl Events {
         }
     }
 
-    /// Whether an edge was noted since the last call.
+    /// Whether an edge was recorded since the last call.
     pub(crate) fn take_changed(&mut self) -> bool {
         std::mem::take(&mut self.changed)
     }
 
-    /// Times of all events, known at `now`.
+    /// Times of all events, as far as known at `now`.
     pub(crate) fn times(&self, plan: &Plan, now: f64) -> Vec<Option<f64>> {
         let mut known = vec![None; self.traces.len()];
         (0..self.traces.len())
@@ -194,7 +194,7 @@ impl Events {
             .collect()
     }
 
-    /// Time of one event, known at `now`.
+    /// Time of one event, as far as known at `now`.
     pub(crate) fn time_of(&self, plan: &Plan, event: usize, now: f64) -> Option<f64> {
         self.time(plan, event, now, &mut vec![None; self.traces.len()], 0)
     }
@@ -203,7 +203,7 @@ impl Events {
         if let Some(known) = known[i] {
             return known;
         }
-        // Events that wait for each other in a circle never happen.
+        // Events that wait for each other in a cycle never occur.
         if depth > self.traces.len() {
             return None;
         }
@@ -214,7 +214,7 @@ impl Events {
         let until = event.until.and_then(&mut other);
         let found = match (&event.edge, after, before) {
             (_, Some(None), _) => None,
-            // The last edge before an event is known once that event is.
+            // The last edge before an event is only known once that event has occurred.
             (_, _, Some(None)) if event.pick == Pick::Last => None,
             (Edge::At(time), ..) => Some(*time).filter(|time| *time <= now),
             _ => {
@@ -227,7 +227,7 @@ impl Events {
         found
     }
 
-    /// The edge of an event from `start` on that comes before `before` and `until`.
+    /// The edge of an event from `start` onwards that precedes `before` and `until`.
     fn search(&self, plan: &Plan, i: usize, [start, before]: [f64; 2], [until, now]: [f64; 2]) -> Option<f64> {
         let event = &plan.assembly.events[i];
         let trace = &self.traces[i];
@@ -263,7 +263,7 @@ impl Events {
         found.map(|(time, _)| time)
     }
 
-    /// The first outcome whose test is satisfied; the state at the end is in the workspace.
+    /// The first outcome whose test is satisfied; the workspace contains the final state.
     pub(crate) fn outcome(
         plan: &Plan,
         times: &[Option<f64>],

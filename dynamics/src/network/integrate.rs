@@ -1,7 +1,7 @@
-//! Segments between events, each a smooth problem given to diffsol.
+//! Segments between events, each of which is a smooth problem solved by diffsol.
 //!
-//! A step may run past an event, since the right-hand side of a mode is smooth everywhere. The event is then located on
-//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode.
+//! A step may extend beyond an event, because the right-hand side of a mode is smooth everywhere. The event is then
+//! located on the solver's interpolant, the state is evaluated there, and the next segment starts in the new mode.
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::ode_solver::state::StateCommon;
@@ -9,7 +9,6 @@ use diffsol::{
     NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
 };
 
-use super::Numerics;
 use super::assembly::{Action, Family, Word};
 use super::audit::Audit;
 use super::equations::Equations;
@@ -17,6 +16,7 @@ use super::error::RunError;
 use super::events::Events;
 use super::linear::LedgerLu;
 use super::mode::Mode;
+use super::numerics::Numerics;
 use super::plan::Plan;
 use super::probe::Need;
 use super::rates::Workspace;
@@ -29,16 +29,16 @@ use super::watch::Watch;
 use crate::Method;
 use crate::cycle::locate;
 
-/// Points at which conditions are checked within a step, its end included.
+/// Number of points per step, including its end, at which conditions are checked.
 const POINTS: usize = 2;
-/// Changes of one block within [`CHATTER_WINDOW`] that count as chatter; a contact of 200 kHz makes 400.
+/// Number of changes of one block within [`CHATTER_WINDOW`] that counts as chatter; a contact at 200 kHz makes 400.
 const CHATTER_CHANGES: usize = 2000;
 const CHATTER_WINDOW: f64 = 1e-3;
-/// Steps beyond which a run is given up, for each second of the record but at least half a million.
+/// Number of steps per second of the record after which a run is abandoned, but at least half a million.
 const STEP_LIMIT: usize = 500_000;
-/// Part of the dead volume below which a volume counts as vanished.
+/// Fraction of the dead volume below which a volume counts as vanished.
 const VANISHED: f64 = 1e-3;
-/// Compression beyond its law that a spring may have with the overlap of its stops, as a part of the law.
+/// Compression beyond its law, as a fraction of it, that a spring may have due to the overlap of its stops.
 const SPRING_SLACK: f64 = 1e-9;
 
 type Problem<'p> = OdeSolverProblem<Equations<'p>>;
@@ -68,19 +68,19 @@ struct Run<'p> {
     peaks: Vec<Peak>,
     strikes: Vec<Strike>,
     work: Effort,
-    /// Margins at the last point, and points of the present step.
+    /// Margins at the last point, and points of the current step.
     margin: Vec<f64>,
     right: Vec<f64>,
     heights: [Vec<f64>; POINTS],
     watched: [Vec<f64>; POINTS],
     points: [(f64, Vec<f64>); POINTS],
-    /// What margins and levels need of a state.
+    /// How far a state must be evaluated for margins and levels.
     need: Need,
-    /// Whether the workspace holds the instant of the end of the stretch.
+    /// Whether the workspace contains the instant at the end of the step.
     fresh: bool,
 }
 
-/// A step as far as the first condition to fall.
+/// A step up to the first condition that becomes false.
 struct Stretch {
     used: usize,
     /// Slot of the event that ends it.
@@ -96,7 +96,8 @@ pub(crate) fn integrate(plan: &Plan, numerics: &Numerics) -> Result<Record, RunE
         .atol(tolerances(plan, numerics.relative_tolerance))
         .build_from_eqn(Equations::new(plan, run.mode.clone()))
         .map_err(|cause| run.failure(&cause))?;
-    // Counted over a whole segment, not in a row, so no limit: STEP_LIMIT and the least step end a hopeless run.
+    // No limit, because failures are counted over a complete segment; STEP_LIMIT and the smallest step end a hopeless
+    // run.
     problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
     problem.ode_options.min_timestep = 1e-16;
     while run.t < run.end {
@@ -179,7 +180,7 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// Next time at which the smooth problem ends whatever happens.
+    /// Next time at which the smooth problem must end.
     fn stop_time(&self) -> f64 {
         self.end.min(self.signals.next(self.t))
     }
@@ -200,7 +201,7 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// Logs a word at a time and lets triggers and events hear it; `y` is the state there.
+    /// Logs a word at a given time and passes it to triggers and events; `y` is the state there.
     fn tell(&mut self, word: Word, time: f64) {
         let plan = self.plan;
         let place = self.log.partition_point(|entry| entry.time <= time);
@@ -216,7 +217,7 @@ impl<'p> Run<'p> {
         self.signals.hear(plan, time, &mut self.mode, word);
     }
 
-    /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
+    /// Step size for a first-order start, from its error h^2 |y''|/3.
     fn first_step(&self, problem: &Problem<'p>, second: &[f64]) -> f64 {
         let atol = problem.atol.batch_as_slice(0);
         let sum: f64 = second.iter().zip(atol).map(|(d, atol)| (d / atol) * (d / atol)).sum();
@@ -253,7 +254,7 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// Steps to the end of the segment.
+    /// Integrates to the end of the segment.
     fn follow<'e, M>(&mut self, mut solver: M) -> Result<(), RunError>
     where
         M: OdeSolverMethod<'e, Equations<'p>>,
@@ -322,7 +323,7 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// The step from `from` to `to` as far as the first condition to fall, in `points`.
+    /// The step from `from` to `to`, up to the first condition that becomes false, stored in `points`.
     fn stretch(
         &mut self,
         from: f64,
@@ -389,7 +390,7 @@ impl<'p> Run<'p> {
         })
     }
 
-    /// Notes where the trajectory from `from` through the points passes the levels of events.
+    /// Records where the trajectory from `from` through the points crosses the levels of events.
     fn note_levels(
         &mut self,
         from: f64,
@@ -429,7 +430,7 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// Logs the changes that are only noted, between `from` and the last point.
+    /// Logs changes that do not affect the mode, between `from` and the last point.
     fn note_changes(
         &mut self,
         from: f64,
@@ -464,7 +465,7 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// Follows what an accepted state changes: balances, peaks, limits of the model, the end of the record.
+    /// Updates what depends on an accepted state: balances, peaks, limits of the model, the end of the record.
     fn accept(&mut self) -> Result<(), RunError> {
         if !self.fresh {
             self.plan.instant(&self.y, &mut self.w);
@@ -485,7 +486,7 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// Ends the run where the model does.
+    /// Ends the run where the model becomes invalid.
     fn guard(&self) -> Result<(), RunError> {
         let plan = self.plan;
         for (i, volume) in plan.volumes.iter().enumerate() {
@@ -550,7 +551,7 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// Applies the event of a slot at the present time.
+    /// Applies the event of a slot at the current time.
     fn cross(&mut self, slot: usize) -> Result<(), RunError> {
         let plan = self.plan;
         let described = &self.slots.list[slot];
@@ -601,7 +602,7 @@ impl<'p> Run<'p> {
     /// Ends the record.
     fn finish(mut self, problem: &Problem<'p>) -> Result<Record, RunError> {
         let plan = self.plan;
-        // The last sample is at the end itself if the end is on the grid.
+        // If the end is on the grid, the last sample is exactly at the end.
         if !self.cut && self.recorder.next_time() <= self.t * (1.0 + 4.0 * f64::EPSILON) {
             self.recorder.push(plan, self.t, &self.y, &self.mode, &mut self.w);
         }

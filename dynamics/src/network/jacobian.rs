@@ -1,5 +1,5 @@
 //! The Jacobian by elements: each block is evaluated once in dual numbers of its own few variables, and the derivatives
-//! are scattered through the pressures and temperatures of the volumes.
+//! are chained through the pressures and temperatures of the volumes.
 //!
 //! ```text
 //! dP/dU = P/U,  dP/dx = -P s A/V,  dT/dU = T/U,  dT/dm = -T/m
@@ -14,7 +14,7 @@ use nailnoise_penetration::{Dual, Real};
 
 use crate::cycle::Gas;
 
-/// Derivatives of the rates by the states, by columns of the length of the whole vector.
+/// Derivatives of the rates with respect to the states, by columns with the length of the complete vector.
 #[derive(Debug, Clone)]
 pub(crate) struct Jacobian {
     values: Vec<f64>,
@@ -56,7 +56,7 @@ impl Jacobian {
         }
     }
 
-    /// Adds derivatives by a pair's travel and its rate to a row.
+    /// Adds derivatives with respect to a pair's travel and its rate to a row.
     #[inline]
     fn add_pair(&mut self, row: usize, pair: Pair, by_travel: f64, by_speed: f64, ground: usize) {
         for (body, sign) in [(pair.on, 1.0), (pair.against, -1.0)] {
@@ -68,14 +68,14 @@ impl Jacobian {
     }
 }
 
-/// A force on a body as it enters the rates: row and factor.
+/// How a force on a body enters the rates: row and factor.
 #[derive(Clone, Copy)]
 struct Target {
     row: usize,
     factor: f64,
 }
 
-/// Rows that a pair's force enters, `on` first.
+/// Rows that a pair's force enters, beginning with that of `on`.
 fn targets(plan: &Plan, mode: &Mode, pair: Pair) -> [Target; 2] {
     let target = |body: usize, sign: f64| {
         if body == plan.ground() {
@@ -106,12 +106,12 @@ fn seeded(x: f64, v: f64) -> [Dual<2>; 2] {
     ]
 }
 
-/// A block between two bodies as it is scattered.
+/// Contribution of a block between two bodies.
 struct Element {
     pair: Pair,
     /// Force on `on`, down.
     force: Dual<2>,
-    /// Integral whose rate is a power of the block, with that power.
+    /// Integral whose rate is a power of the block, and that power.
     power: Option<(usize, Dual<2>)>,
 }
 
@@ -256,7 +256,7 @@ impl Plan {
         }
     }
 
-    /// Heat of the walls, by temperature and by the travels of the faces.
+    /// Heat from the walls: derivatives with respect to temperature and to the travels of the faces.
     fn wall_elements(&self, w: &Workspace, j: &mut Jacobian) {
         for (i, volume) in self.volumes.iter().enumerate() {
             if volume.transfer != 0.0 && volume.isothermal.is_none() {
@@ -282,8 +282,8 @@ impl Plan {
         [Some(self.energy() + volume), self.heat, ledger].into_iter().flatten()
     }
 
-    /// An isothermal volume's energy follows its mass; the wall's heat is the difference to the energy balance, which
-    /// the row of the energy holds so far.
+    /// The energy of an isothermal volume follows its mass; the wall heat is the difference to the energy balance,
+    /// which is in the energy row so far.
     fn isothermal_rows(&self, j: &mut Jacobian) {
         let cv = self.cp - self.gas_constant;
         for (i, volume) in self.volumes.iter().enumerate() {

@@ -6,13 +6,14 @@ use super::assembly::ContactDamping;
 use super::mode::{Mode, depth, friction};
 use super::plan::{
     AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
-    ResistancePlan, RestrictionPlan, SpringPlan,
+    RestrictionPlan, SpringPlan,
 };
+use super::resistance::ResistancePlan;
 use nailnoise_penetration::Real;
 
 use crate::cycle::{Air, Gas};
 
-/// A force with the dashpot's part of it \[N\].
+/// A force and its dashpot contribution \[N\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Damped<S> {
     pub(crate) force: S,
@@ -35,11 +36,11 @@ pub(crate) struct Flow<S> {
     pub(crate) mass: S,
     /// Enthalpy it carries \[W\].
     pub(crate) enthalpy: S,
-    /// Pressures behind the first and the second restriction of a series \[Pa\].
+    /// Pressures downstream of the first and the second restriction of a series \[Pa\].
     pub(crate) between: [S; 2],
 }
 
-/// What a passage's flow depends on.
+/// Variables on which a passage's flow depends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ends<S> {
     pub(crate) from: Gas<S>,
@@ -55,7 +56,7 @@ impl ContactPlan {
         ((x - self.at) * self.side, v * self.side)
     }
 
-    /// Push of the closed contact over overlap and rate,
+    /// Force of the closed contact as a function of overlap and rate,
     ///
     /// ```text
     /// f = k u^n + c u',   or   k u^n (1 + 1.5 a u')        (Hunt and Crossley 1975)
@@ -79,7 +80,7 @@ impl ContactPlan {
         }
     }
 
-    /// Positive while a closed contact pushes, as a length; of an open one, while it would push.
+    /// Positive while a closed contact pushes, or while an open one would push; expressed as a length.
     pub(crate) fn pressing(&self, u: f64, rate: f64) -> f64 {
         match self.damping {
             _ if self.may_pull => u,
@@ -89,7 +90,7 @@ impl ContactPlan {
         }
     }
 
-    /// Energy of the closed contact at an overlap \[J\].
+    /// Energy of the closed contact at a given overlap \[J\].
     pub(crate) fn energy(&self, u: f64) -> f64 {
         let n = self.exponent;
         if n == 1.0 {
@@ -132,14 +133,14 @@ impl SpringPlan {
     }
 }
 
-/// tanh x, which is +-1 to the last digit beyond 20.
+/// tanh x, which equals +-1 to the last digit beyond 20.
 #[inline]
 fn saturating_tanh(x: f64) -> f64 {
     if x.abs() > 20.0 { x.signum() } else { x.tanh() }
 }
 
 impl FrictionPlan {
-    /// Friction against the motion, and the part of it that dissipates.
+    /// Friction opposing the motion, and its dissipating part.
     ///
     /// ```text
     /// F = [F_d + (F_s - F_d) exp(-(v/v_st)^2)] tanh(v/v_0) + beta v        smooth (C-19)
@@ -208,7 +209,7 @@ impl HoldPlan {
 }
 
 impl FastenerPlan {
-    /// F_r(z), continued smoothly above the surface \[N\].
+    /// F_r(z), smoothly continued above the surface \[N\].
     #[inline]
     fn shank<S: Real>(&self, z: S) -> S {
         match &self.law {
@@ -226,7 +227,7 @@ impl FastenerPlan {
         if self.reversible { 0.0 } else { self.shank(self.length) }
     }
 
-    /// Force of the work on the driver, up, in a mode of the fastener \[N\].
+    /// Force of the workpiece on the driver, upwards, in a mode of the fastener \[N\].
     #[inline]
     pub(crate) fn force<S: Real>(&self, mode: &Mode, z: S) -> S {
         match mode.switches[self.depth] {
@@ -251,7 +252,7 @@ impl FastenerPlan {
         }
     }
 
-    /// Friction of the guide on the driver, against the velocity \[N\].
+    /// Friction of the guide on the driver, opposing the velocity \[N\].
     #[inline]
     pub(crate) fn guide<S: Real>(&self, v: S) -> S {
         let turn = saturating_tanh(v.value() / self.guide_width);
@@ -262,7 +263,7 @@ impl FastenerPlan {
     }
 }
 
-/// Value and slope of a table, linear between its points and constant outside.
+/// Value and slope of a table with linear interpolation; constant outside.
 #[inline]
 pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
     let right = points.partition_point(|point| point[0] <= x);
@@ -277,7 +278,7 @@ pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
 }
 
 impl RestrictionPlan {
-    /// C A; a coefficient over the pressure ratio is left out \[m2\].
+    /// C A, excluding a coefficient that depends on the pressure ratio \[m2\].
     #[inline]
     fn area<S: Real>(&self, travel: [S; 2], t: f64) -> S {
         let bare = match &self.area {
@@ -312,7 +313,7 @@ impl RestrictionPlan {
         }
     }
 
-    /// Coefficient over the pressure ratio.
+    /// Coefficient that depends on the pressure ratio.
     #[inline]
     fn coefficient<S: Real>(&self, up: S, down: S) -> Option<S> {
         let CoefficientPlan::Ratio { polynomial, from, to } = &self.coefficient else {
@@ -331,15 +332,15 @@ impl RestrictionPlan {
 }
 
 impl PassagePlan {
-    /// Whether gate and restrictions let gas pass.
+    /// Whether gate and restrictions allow flow.
     #[inline]
     pub(crate) fn is_open(&self, mode: &Mode) -> bool {
         !self.shut && self.switches.iter().all(|switch| mode.is_on(*switch))
     }
 
-    /// Flow in a mode; `near` is the pressure between two restrictions a moment ago.
+    /// Flow in a mode; `near` is a recent value of the pressure between two restrictions.
     ///
-    /// One mass flow passes all restrictions; the temperature in each is that of the upstream end (C-15).
+    /// The same mass flow passes all restrictions; the temperature in each is that of the upstream end (C-15).
     #[inline]
     pub(crate) fn flow<S: Real>(&self, air: &Air, mode: &Mode, ends: &Ends<S>, t: f64, near: Option<f64>) -> Flow<S> {
         let Ends { from, to, travel } = *ends;
@@ -366,7 +367,7 @@ impl PassagePlan {
                 let [a, b] = [first, second].map(|r| r.area(travel, t));
                 let areas = if forward { [a, b] } else { [b, a] };
                 if let Some(shut) = areas.into_iter().find(|a| a.value() <= 0.0) {
-                    // Continues the flow smoothly past the closing of a seat.
+                    // Extends the flow smoothly beyond the closing of a seat.
                     (air.flow(shut, up, down.pressure), [to.pressure; 2])
                 } else {
                     let middle = air.intermediate_pressure(areas[0], areas[1], up.pressure, down.pressure, near);
@@ -417,10 +418,10 @@ impl PassagePlan {
         }
     }
 
-    /// Positive while the restriction that gas leaves last is choked, negative where the passage is closed \[Pa or N\].
+    /// Positive while the last restriction in flow direction is choked, negative if the passage is closed \[Pa or N\].
     ///
-    /// Of two restrictions it is the flow of the first up to the critical pressure between them less that of the second
-    /// there, (C A P)_1 N(P_m/P_1) - (C A)_2 P_m with P_m = P_d/P_cr, which needs no solution of the series.
+    /// For two restrictions, it is the flow through the first at the critical intermediate pressure minus that through
+    /// the second, (C A P)_1 N(P_m/P_1) - (C A)_2 P_m with P_m = P_d/P_cr. This does not require solving the series.
     pub(crate) fn choking(&self, air: &Air, mode: &Mode, ends: &Ends<f64>, t: f64) -> f64 {
         let Ends { from, to, travel } = *ends;
         let forward = from.pressure >= to.pressure;
@@ -446,7 +447,7 @@ impl PassagePlan {
         }
     }
 
-    /// Pressure before and behind a restriction \[Pa\].
+    /// Pressure upstream and downstream of a restriction \[Pa\].
     #[inline]
     pub(crate) fn pressures_at<S: Real>(&self, restriction: usize, ends: &Ends<S>, flow: &Flow<S>) -> [S; 2] {
         let inside = |i: usize| flow.between[i.min(1)];
@@ -455,7 +456,7 @@ impl PassagePlan {
         [before, if last { ends.to.pressure } else { inside(restriction) }]
     }
 
-    /// Thrust of the jet from the last restriction \[N\]; zero for flow inwards.
+    /// Thrust of the jet from the last restriction \[N\]; zero for inflow.
     #[inline]
     pub(crate) fn thrust<S: Real>(&self, air: &Air, ends: &Ends<S>, flow: &Flow<S>, t: f64) -> S {
         let last = self.restrictions.len() - 1;

@@ -1,4 +1,4 @@
-//! Newton matrices of states with integrals: only the block of the states is factorised.
+//! Newton matrices of states with integrals, of which only the state block is factorised.
 //!
 //! ```text
 //! I - c J = [ A 0 ]    A x = b,   q = d - B x
@@ -18,7 +18,7 @@ pub(crate) struct LedgerLu {
     factors: Factors,
 }
 
-/// The state block by columns, with lists of the entries that are not zero for the solutions.
+/// The state block by columns, with lists of nonzero entries for the solution.
 #[derive(Default)]
 struct Factors {
     states: usize,
@@ -43,7 +43,7 @@ struct Entry {
     value: f64,
 }
 
-/// Entries of a column that are not zero, from a row on.
+/// Nonzero entries of a column from a given row onwards.
 fn entries(column: &[f64], from: usize) -> impl Iterator<Item = Entry> {
     column
         .iter()
@@ -64,7 +64,7 @@ fn subtract(y: &mut [f64], a: f64, x: &[Entry]) {
 }
 
 impl Factors {
-    /// Number of columns before the last ones that are those of the identity.
+    /// Number of columns that precede the trailing identity columns.
     fn states(matrix: &[f64], size: usize) -> usize {
         let mut states = size;
         while states > 0 {
@@ -80,11 +80,11 @@ impl Factors {
         states
     }
 
-    /// Gaussian elimination of a column-major matrix's leading block.
+    /// Gaussian elimination of the leading block of a column-major matrix.
     ///
-    /// The row of a position reads x' = v: 1 on the diagonal and one other entry. It is its own pivot and leaves that
-    /// one column to be changed, where partial pivoting would take the stiffest row and fill the block. The addition to
-    /// the velocities' rows is c^2 K/M next to 1 + c C/M, like Newmark's effective mass. All other pivots are partial.
+    /// The row of a position is x' = v, with 1 on the diagonal and one other entry. It is its own pivot, so only that
+    /// one column changes; partial pivoting would choose the stiffest row and fill the block. It adds c^2 K/M to 1 + c
+    /// C/M in the rows of the velocities, like Newmark's effective mass. All other rows are pivoted partially.
     fn factorise(&mut self, matrix: &[f64], size: usize) {
         let n = Self::states(matrix, size);
         self.states = n;
@@ -154,7 +154,7 @@ impl Factors {
         self.ready = true;
     }
 
-    /// Moves the rows of L by the pivots of later columns.
+    /// Moves the rows of L according to the pivots of later columns.
     fn order_rows(&mut self) {
         let n = self.states;
         for later in (0..n).filter(|k| self.pivot[*k] != *k) {
@@ -267,7 +267,7 @@ mod tests {
     const STATES: usize = 12;
     const SIZE: usize = 19;
 
-    /// A matrix of the block form, column-major: positions next to stiff contacts, entries that need pivoting, zeros.
+    /// A column-major matrix of this block form: positions next to stiff contacts, entries that need pivoting, zeros.
     fn newton_matrix(positions: usize) -> Vec<f64> {
         let mut seed = 1u64;
         let mut random = || {

@@ -9,8 +9,8 @@
 //! | compilation | `plan`, `probe` (channels and expressions), `start` |
 //! | physics | `kernels`, `rates` (right-hand side), `jacobian` |
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
-//! | integration | `integrate`, `equations`, `linear`, `tolerances` |
-//! | results | `record`, `audit` (conservation) |
+//! | integration | `numerics`, `integrate`, `equations`, `linear`, `tolerances` |
+//! | results | `record`, `resistance` (of the work to a fastener), `audit` (conservation) |
 
 pub mod assembly;
 mod audit;
@@ -22,10 +22,12 @@ pub(crate) mod jacobian;
 mod kernels;
 mod linear;
 pub(crate) mod mode;
+mod numerics;
 pub(crate) mod plan;
 mod probe;
 pub(crate) mod rates;
 mod record;
+mod resistance;
 mod signals;
 mod start;
 mod switching;
@@ -35,59 +37,18 @@ mod watch;
 
 pub use assembly::Assembly;
 pub use error::RunError;
+pub use numerics::Numerics;
 pub use record::{
     Channel, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory, Record, Strike,
 };
+pub use resistance::FastenerResistance;
 pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyValue, Keys, Literal, Resolved};
-
-use crate::Method;
-
-/// How an assembly is integrated and sampled.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Numerics {
-    /// Integration method.
-    pub method: Method,
-    /// Tolerance of the integration as a part of the characteristic size of each state \[-\].
-    pub relative_tolerance: f64,
-    /// Interval of the samples \[s\]; none for events and ledger only.
-    pub sample_interval: Option<f64>,
-}
-
-impl Default for Numerics {
-    fn default() -> Self {
-        Self {
-            method: Method::Bdf,
-            relative_tolerance: 1e-7,
-            sample_interval: Some(4e-6),
-        }
-    }
-}
-
-impl Numerics {
-    fn check(&self, end: f64) -> Result<(), RunError> {
-        let interval = self.sample_interval.unwrap_or(1.0);
-        let rules = [
-            (
-                "relative_tolerance",
-                self.relative_tolerance,
-                self.relative_tolerance > 0.0 && self.relative_tolerance <= 1e-2,
-                "above 0 and at most 0.01",
-            ),
-            ("sample_interval", interval, interval >= 1e-8, "at least 10 ns"),
-            ("end", end, end > 0.0 && end <= 10.0, "above 0 s and at most 10 s"),
-        ];
-        match rules.into_iter().find(|(.., ok, _)| !ok) {
-            Some((name, value, _, rule)) => Err(RunError::Value { name, value, rule }),
-            None => Ok(()),
-        }
-    }
-}
 
 /// Integrates an assembly from its trigger at t = 0 to its end.
 ///
 /// # Errors
-/// [`RunError`]: a block that no kernel solves, a tool that is not seated, a volume that vanishes, a spring beyond its
-/// law, blocks that switch without end, or an integration that cannot go on.
+/// [`RunError`]: a block that no kernel supports, a tool that is not seated, a volume that vanishes, a spring beyond
+/// its law, blocks that switch endlessly, or an integration that cannot continue.
 pub fn simulate(assembly: &Assembly, numerics: &Numerics) -> Result<Record, RunError> {
     numerics.check(assembly.end)?;
     let plan = plan::Plan::new(assembly)?;

@@ -1,11 +1,11 @@
-//! The discrete state between two events: switches and what they remember.
+//! The discrete state between two events: switches and their memories.
 //!
-//! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
+//! For a fixed mode, the right-hand side is smooth for any state, so a step may extend beyond an event and be cut back
 //! to it.
 
 use super::plan::Plan;
 
-/// Switches of all blocks and the numbers they remember.
+/// Switches of all blocks, and values to remember.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Mode {
     /// 0 or 1; a fastener uses the values of [`head`] and [`depth`].
@@ -14,7 +14,7 @@ pub(crate) struct Mode {
     pub(crate) memory: Vec<f64>,
 }
 
-/// Values of the switch of a driver on its fastener's head.
+/// Switch values of a driver on its fastener's head.
 pub(crate) mod head {
     /// The fastener waits in its guide, at rest.
     pub(crate) const WAITING: u8 = 0;
@@ -24,9 +24,9 @@ pub(crate) mod head {
     pub(crate) const LEFT: u8 = 2;
 }
 
-/// Values of the switch of a fastener in the work.
+/// Switch values of a fastener in the workpiece.
 pub(crate) mod depth {
-    /// No force: above the work, or off the fastener driven so far.
+    /// No force: above the workpiece, or off the fastener driven so far.
     pub(crate) const FREE: u8 = 0;
     /// Goes deeper, f = E(z) within its length.
     pub(crate) const LOADING: u8 = 1;
@@ -36,7 +36,7 @@ pub(crate) mod depth {
     pub(crate) const UNLOADING: u8 = 3;
 }
 
-/// Values of the switch of friction that may stick.
+/// Switch values of friction that may stick.
 pub(crate) mod friction {
     /// Slides forth, v > 0.
     pub(crate) const FORTH: u8 = 0;
@@ -44,12 +44,12 @@ pub(crate) mod friction {
     pub(crate) const BACK: u8 = 1;
     /// Sticks where it stopped.
     pub(crate) const STUCK: u8 = 2;
-    /// Carries nothing, while the equilibrium at the start is looked for.
+    /// Inactive, during the search for the initial equilibrium.
     pub(crate) const IDLE: u8 = 3;
 }
 
 impl Mode {
-    /// All switches off, latches at their travel of the start.
+    /// All switches off; latches at their initial travel.
     pub(crate) fn new(plan: &Plan) -> Self {
         let mut memory = vec![0.0; plan.memories];
         for hold in &plan.holds {

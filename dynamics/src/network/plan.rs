@@ -1,4 +1,4 @@
-//! The assembly compiled for the integration: names become indices, every kind of block is one array of constants.
+//! The assembly compiled for integration: names become indices, and every kind of block becomes an array of constants.
 //!
 //! ```text
 //! state = [y, v of each body | U of each volume | m of each volume | ledger]
@@ -7,12 +7,12 @@
 //! body after the last; reservoirs follow the volumes in the lists of pressures and temperatures.
 
 use super::assembly::{
-    Assembly, Base, Coefficient, Cone, ContactDamping, FastenerLaw, ForceLaw, Ledger, Opens, PassageLaw, Push, Space,
-    SpringLaw, Stop,
+    Assembly, Base, Coefficient, Cone, ContactDamping, ForceLaw, Ledger, Opens, PassageLaw, Push, Space, SpringLaw,
+    Stop,
 };
 use super::error::RunError;
+use super::resistance::ResistancePlan;
 use crate::cycle::Air;
-use nailnoise_penetration::{Curve, PenetrationLaw};
 
 /// Two bodies between which a block acts; the ground has the index after the last body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub(crate) struct BodyPlan {
     pub(crate) parent: usize,
     pub(crate) mass: f64,
     pub(crate) gravity: f64,
-    /// Fastener that may join the body, an index.
+    /// Index of a fastener that may join the body.
     pub(crate) fastener: Option<usize>,
 }
 
@@ -38,20 +38,20 @@ pub(crate) struct VolumePlan {
     pub(crate) wall_area: f64,
     pub(crate) transfer: f64,
     pub(crate) wall_temperature: f64,
-    /// Temperature that remains, for an isothermal volume.
+    /// Constant temperature of an isothermal volume.
     pub(crate) isothermal: Option<f64>,
     /// Ledger of heat and of the work of its faces (full ledger).
     pub(crate) ledger: Option<VolumeLedger>,
 }
 
-/// Places of a volume's integrals in the state.
+/// Positions of a volume's integrals in the state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VolumeLedger {
     pub(crate) heat: usize,
     pub(crate) work: usize,
 }
 
-/// Constants of a face. `area` and `perimeter` carry the sign of the push.
+/// Constants of a face. `area` and `perimeter` include the sign of the push.
 #[derive(Debug, Clone)]
 pub(crate) struct FacePlan {
     pub(crate) gas: usize,
@@ -60,7 +60,7 @@ pub(crate) struct FacePlan {
     pub(crate) area: f64,
     pub(crate) zero: f64,
     pub(crate) perimeter: f64,
-    /// Place of the work on the body, for a face of a volume.
+    /// Position of the work on the body, for a face of a volume.
     pub(crate) work: Option<usize>,
 }
 
@@ -127,26 +127,26 @@ pub(crate) struct PassagePlan {
     pub(crate) from: usize,
     pub(crate) to: usize,
     pub(crate) restrictions: Vec<RestrictionPlan>,
-    /// Flow function, an index in [`Plan::airs`].
+    /// Flow function, as an index into [`Plan::airs`].
     pub(crate) air: usize,
     pub(crate) one_way: bool,
     /// Switch that is on while the gate is open.
     pub(crate) gate: Option<usize>,
     /// Switch that is on while the further condition of the gate is satisfied.
     pub(crate) condition: Option<usize>,
-    /// Pairs of the travels that move its restrictions; the second repeats the first where there is one.
+    /// Pairs whose travels move its restrictions; if there is only one, the second repeats the first.
     pub(crate) travels: [Option<Pair>; 2],
-    /// Places of the mass and the enthalpy that cross it.
+    /// Positions of the mass and enthalpy flow integrals.
     pub(crate) ledger: Option<FlowLedger>,
-    /// Whether a force takes its jet's thrust.
+    /// Whether a force uses its jet's thrust.
     pub(crate) jet: bool,
-    /// Switches of gate, condition and restrictions, all of which are on while it is open.
+    /// Switches of gate, condition and restrictions; the passage is open if all are on.
     pub(crate) switches: Vec<usize>,
-    /// Whether a restriction without area shuts it for good.
+    /// Whether a restriction without area keeps it permanently shut.
     pub(crate) shut: bool,
 }
 
-/// Places of a passage's integrals.
+/// Positions of a passage's integrals.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FlowLedger {
     pub(crate) mass: usize,
@@ -197,7 +197,7 @@ pub(crate) struct FrictionPlan {
     pub(crate) loss: usize,
 }
 
-/// What holds a pair while it sticks.
+/// Spring and dashpot that hold a pair while it sticks.
 #[derive(Debug, Clone)]
 pub(crate) struct StickPlan {
     pub(crate) stiffness: f64,
@@ -212,7 +212,7 @@ pub(crate) struct StickPlan {
 pub(crate) struct ForcePlan {
     pub(crate) pair: Pair,
     pub(crate) law: ForceLaw,
-    /// Place of its work, where it does not follow from the positions.
+    /// Position of its work integral, if the work does not follow from positions.
     pub(crate) work: Option<usize>,
 }
 
@@ -240,22 +240,14 @@ pub(crate) struct HoldPlan {
     pub(crate) loss: Option<usize>,
 }
 
-/// Law of the resistance.
-#[derive(Debug, Clone)]
-pub(crate) enum ResistancePlan {
-    Wood(Curve),
-    Constant(f64),
-    Table(Vec<[f64; 2]>),
-}
-
 /// A fastener.
 #[derive(Debug, Clone)]
 pub(crate) struct FastenerPlan {
-    /// Driver on the work.
+    /// Driver relative to the workpiece.
     pub(crate) work: Pair,
-    /// Driver on the guide.
+    /// Driver relative to the guide.
     pub(crate) guide: Pair,
-    /// Driver on its parent.
+    /// Driver relative to its parent.
     pub(crate) stroke: Pair,
     pub(crate) head_at: f64,
     pub(crate) tip_at: f64,
@@ -272,7 +264,7 @@ pub(crate) struct FastenerPlan {
     pub(crate) head: usize,
     /// Switch of the fastener in the work.
     pub(crate) depth: usize,
-    /// Memory of the deepest depth z*, the force f* follows it.
+    /// Memory of the deepest depth z*, followed by that of the force f*.
     pub(crate) deepest: usize,
     pub(crate) penetration: usize,
     pub(crate) guide_loss: Option<usize>,
@@ -304,29 +296,30 @@ pub(crate) struct Plan {
     pub(crate) motors: Vec<MotorPlan>,
     pub(crate) holds: Vec<HoldPlan>,
     pub(crate) fasteners: Vec<FastenerPlan>,
-    /// Switches that repeat the triggers.
+    /// Switches that mirror the triggers.
     pub(crate) triggers: Vec<usize>,
-    /// Number of switches and of memories of a mode.
+    /// Number of switches and memories in a mode.
     pub(crate) switches: usize,
     pub(crate) memories: usize,
-    /// Places of the heat into all gas, of the impulse on the ground and of that of outer forces.
+    /// Positions of the integrals of the heat into all gas, of the impulse on the ground, and of that of external
+    /// forces.
     pub(crate) heat: Option<usize>,
     pub(crate) ground_impulse: usize,
     pub(crate) outer_impulse: usize,
     pub(crate) ledger: Vec<LedgerItem>,
-    /// Index of the reservoir `atmosphere` among pressures.
+    /// Index of the reservoir `atmosphere` among the pressures.
     pub(crate) atmosphere: usize,
-    /// Longest travel among stops and faces, the size of rounding in an overlap \[m\].
+    /// Longest travel among stops and faces, which scales the rounding error of an overlap \[m\].
     pub(crate) reach: f64,
 }
 
 impl Plan {
-    /// Place of the first internal energy, also the number of positions and velocities.
+    /// Position of the first internal energy; also the number of positions and velocities.
     pub(crate) fn energy(&self) -> usize {
         2 * self.bodies.len()
     }
 
-    /// Place of the first gas mass.
+    /// Position of the first gas mass.
     pub(crate) fn mass(&self) -> usize {
         self.energy() + self.volumes.len()
     }
@@ -347,7 +340,7 @@ impl Plan {
     }
 }
 
-/// Hands out places of integrals, switches and memories.
+/// Allocates positions of integrals, switches and memories.
 struct Compiler<'a> {
     assembly: &'a Assembly,
     states: usize,
@@ -503,7 +496,7 @@ fn pair_of(assembly: &Assembly, on: usize, against: Base) -> Pair {
     Pair { on, against }
 }
 
-/// Restrictions of a passage and the motions that open them.
+/// Restrictions of a passage, and the motions that open them.
 struct Restrictions {
     list: Vec<RestrictionPlan>,
     travels: [Option<Pair>; 2],
@@ -513,8 +506,8 @@ impl Plan {
     /// Compiles an assembly.
     ///
     /// # Errors
-    /// [`RunError::Passage`] for a series that no kernel solves, [`RunError::SpringLimit`] for a spring whose law does
-    /// not reach to a stop.
+    /// [`RunError::Passage`] for a series that no kernel supports; [`RunError::SpringLimit`] for a spring whose law
+    /// does not extend to a stop.
     pub(crate) fn new(assembly: &Assembly) -> Result<Self, RunError> {
         let full = assembly.ledger == Ledger::Full;
         let mut c = Compiler {
@@ -608,7 +601,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses springs that a stop of the same pair lets go beyond their law.
+    /// Rejects springs that a stop of the same pair allows to exceed their law.
     fn check_springs(&self) -> Result<(), RunError> {
         for (spring, described) in self.springs.iter().zip(&self.assembly.springs) {
             let Some(limit) = spring.limit else { continue };
@@ -842,16 +835,7 @@ fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
             length: f.length,
             mass: f.mass,
             impact: f.impact,
-            law: match &f.law {
-                FastenerLaw::SolidWood { hardness, offset } => {
-                    let mut root = [0.0; 8];
-                    root.copy_from_slice(&PenetrationLaw::SolidWood.coefficients()[..8]);
-                    root[0] += offset;
-                    ResistancePlan::Wood(Curve::of(root, f.length, hardness * f.length))
-                }
-                FastenerLaw::Constant(force) => ResistancePlan::Constant(*force),
-                FastenerLaw::Table(points) => ResistancePlan::Table(points.clone()),
-            },
+            law: ResistancePlan::of(f),
             reversible: f.reversible,
             head_stiffness: f.seated.head_stiffness,
             unloading: f.seated.unloading,

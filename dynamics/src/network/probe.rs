@@ -1,4 +1,4 @@
-//! Channels and expressions compiled for evaluation: reads of the workspace and a postfix list of operations.
+//! Channels and expressions compiled for evaluation: values read from the workspace, and a postfix list of operations.
 
 use super::assembly::{Binary, Channel, Comparison, Condition, Expression, Family, Function, Quantity};
 use super::error::RunError;
@@ -6,10 +6,10 @@ use super::mode::{Mode, depth};
 use super::plan::{Pair, Plan};
 use super::rates::Workspace;
 
-/// Largest number of values on the stack of an expression.
+/// Largest stack depth of an expression.
 const DEPTH: usize = 32;
 
-/// How far a state must be evaluated for a quantity.
+/// How far a state must be evaluated to obtain a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Need {
     /// Positions and gas.
@@ -20,7 +20,7 @@ pub(crate) enum Need {
     Forces,
 }
 
-/// A quantity of the workspace.
+/// A quantity in the workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Probe {
     Travel(Pair),
@@ -35,15 +35,15 @@ pub(crate) enum Probe {
     Mass(usize),
     Volume(usize),
     MassFlow(usize),
-    /// Pressure before a restriction of a passage.
+    /// Pressure upstream of a restriction of a passage.
     Before(usize, usize),
-    /// Pressure behind a restriction of a passage.
+    /// Pressure downstream of a restriction of a passage.
     Behind(usize, usize),
-    /// Temperature of the gas where a passage's flow comes from.
+    /// Temperature of the gas upstream of a passage's flow.
     Upstream(usize),
-    /// Whether the restriction that gas leaves last is choked.
+    /// Whether the last restriction in flow direction is choked.
     Choked(usize),
-    /// Whether a restriction is choked for a flow towards the second end.
+    /// Whether a restriction is choked for flow towards the second end.
     ChokedAt(usize, usize),
     Overlap(usize),
     Face(usize),
@@ -55,7 +55,7 @@ pub(crate) enum Probe {
     Hold(usize),
     Resistance(usize),
     Guide(usize),
-    /// Depth of the tip that may be above the surface.
+    /// Depth of the tip, negative above the surface.
     Tip(usize),
     Depth(usize),
     Deepest(usize),
@@ -64,7 +64,7 @@ pub(crate) enum Probe {
 }
 
 impl Probe {
-    /// The quantity of a channel; none where the block has no such quantity.
+    /// The quantity of a channel; none if the block does not have it.
     pub(crate) fn new(plan: &Plan, channel: Channel) -> Option<Self> {
         let i = channel.block.index;
         let parent = || {
@@ -132,7 +132,7 @@ impl Probe {
         }
     }
 
-    /// The value of an evaluated state.
+    /// Its value for an evaluated state.
     #[inline]
     pub(crate) fn value(self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
         match self {
@@ -200,12 +200,12 @@ impl Plan {
         }
     }
 
-    /// Pressures before and behind a restriction, after the flows.
+    /// Pressures upstream and downstream of a restriction; requires flows.
     pub(crate) fn around(&self, passage: usize, restriction: usize, w: &Workspace) -> [f64; 2] {
         self.passages[passage].pressures_at(restriction, &self.ends(passage, w), &w.flow[passage])
     }
 
-    /// Whether the restriction that gas leaves last is choked.
+    /// Whether the last restriction in flow direction is choked.
     fn is_choked(&self, passage: usize, mode: &Mode, w: &Workspace) -> bool {
         let plan = &self.passages[passage];
         if !plan.is_open(mode) {
@@ -221,7 +221,7 @@ impl Plan {
         }
     }
 
-    /// Evaluates a state as far as needed.
+    /// Evaluates a state as far as necessary.
     #[inline]
     pub(crate) fn observe(&self, need: Need, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
         self.instant(y, w);
@@ -247,7 +247,7 @@ enum Operation {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Program {
     operations: Vec<Operation>,
-    /// The same where it is one quantity, scaled and shifted.
+    /// The affine form, if the expression is one quantity, scaled and shifted.
     affine: Option<Affine>,
     pub(crate) need: Need,
 }
@@ -261,7 +261,7 @@ struct Affine {
 }
 
 impl Affine {
-    /// The affine form of an expression in one quantity; none for any other.
+    /// The affine form of an expression in a single quantity; none for any other.
     fn new(plan: &Plan, expression: &Expression) -> Option<Self> {
         let scaled = |a: Self, factor: f64| Self {
             probe: a.probe,
@@ -330,7 +330,7 @@ impl Program {
         }
     }
 
-    /// Appends an expression; returns the largest height of the stack.
+    /// Appends an expression; returns the largest stack depth.
     fn push(&mut self, plan: &Plan, owner: &str, expression: &Expression, sensors: usize) -> Result<usize, RunError> {
         Ok(match expression {
             Expression::Constant(value) => {
@@ -470,7 +470,7 @@ impl Level {
         self.margin.need
     }
 
-    /// Height above the level: positive is satisfied if strict, else not.
+    /// Height above the level: the comparison is satisfied if positive, or also if zero unless strict.
     pub(crate) fn height(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
         let margin = self.margin.value(plan, mode, w);
         if self.strict { margin } else { -margin }

@@ -1,4 +1,4 @@
-//! The right-hand side: loops over the kinds of blocks, each of which reads and adds into one workspace.
+//! The right-hand side: loops over the kinds of blocks, each of which reads from and adds to a common workspace.
 
 use super::assembly::ForceLaw;
 use super::kernels::{Damped, Ends, Flow, interpolate};
@@ -6,7 +6,7 @@ use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
 use crate::cycle::Gas;
 
-/// Quantities of a state, reused from call to call.
+/// Quantities of a state; reused between calls.
 #[derive(Debug, Clone)]
 pub(crate) struct Workspace {
     /// Positions and velocities of the bodies, then those of the ground.
@@ -15,10 +15,10 @@ pub(crate) struct Workspace {
     pub(crate) acceleration: Vec<f64>,
     /// Forces on bodies and ground, down.
     pub(crate) force: Vec<f64>,
-    /// Force on the bodies from outside, without the ground's reactions.
+    /// External force on the bodies, excluding the ground's reactions.
     pub(crate) outer: f64,
     pub(crate) volume: Vec<f64>,
-    /// Rates of the volumes and areas of their walls.
+    /// Rates of change of the volumes, and areas of their walls.
     pub(crate) growth: Vec<f64>,
     pub(crate) wall: Vec<f64>,
     pub(crate) heat: Vec<f64>,
@@ -27,16 +27,16 @@ pub(crate) struct Workspace {
     pub(crate) temperature: Vec<f64>,
     pub(crate) flow: Vec<Flow<f64>>,
     pub(crate) thrust: Vec<f64>,
-    /// Pushes of the contacts, not below zero but for a dashpot just before opening.
+    /// Forces of the contacts, nonnegative except for a dashpot just before opening.
     pub(crate) contact: Vec<Damped<f64>>,
     /// Forces on the body that is `on`, down.
     pub(crate) spring: Vec<Damped<f64>>,
     pub(crate) hold: Vec<Damped<f64>>,
-    /// Friction against the motion.
+    /// Friction, opposing the motion.
     pub(crate) friction: Vec<Damped<f64>>,
     pub(crate) imposed: Vec<f64>,
     pub(crate) motor: Vec<f64>,
-    /// Force of the work on the driver, up, and friction of the guide.
+    /// Force of the workpiece on the driver, upwards, and friction of the guide.
     pub(crate) fastener: Vec<[f64; 2]>,
     /// Mass of the gas in each volume.
     pub(crate) mass: Vec<f64>,
@@ -96,7 +96,7 @@ impl Workspace {
         self.velocity[pair.on] - self.velocity[pair.against]
     }
 
-    /// Adds a force on `on` and its reaction.
+    /// Applies a force to `on` and its reaction to the other body.
     #[inline]
     fn act(&mut self, pair: Pair, force: f64) {
         self.force[pair.on] += force;
@@ -161,7 +161,8 @@ impl Plan {
         }
     }
 
-    /// Flows through all passages, after [`Self::instant`]; `near` reads the last pressure inside a series.
+    /// Flows through all passages; requires [`Self::instant`]. `near` allows starting from the last pressure inside a
+    /// series.
     #[inline]
     pub(crate) fn flows(&self, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
         for (i, passage) in self.passages.iter().enumerate() {
@@ -175,7 +176,7 @@ impl Plan {
         }
     }
 
-    /// Forces of all blocks and accelerations, after [`Self::instant`] and [`Self::flows`].
+    /// Forces of all blocks and accelerations; requires [`Self::instant`] and [`Self::flows`].
     #[inline]
     pub(crate) fn forces(&self, t: f64, mode: &Mode, w: &mut Workspace) {
         w.force.fill(0.0);
@@ -247,7 +248,7 @@ impl Plan {
         }
     }
 
-    /// Forces of contacts and fasteners, after [`Self::instant`].
+    /// Forces of contacts and fasteners; requires [`Self::instant`].
     #[inline]
     pub(crate) fn contact_forces(&self, mode: &Mode, w: &mut Workspace) {
         for (i, contact) in self.contacts.iter().enumerate() {
@@ -270,7 +271,7 @@ impl Plan {
         }
     }
 
-    /// Heat from the walls, after [`Self::instant`].
+    /// Heat from the walls; requires [`Self::instant`].
     #[inline]
     fn walls(&self, w: &mut Workspace) {
         for (i, volume) in self.volumes.iter().enumerate() {
@@ -310,7 +311,7 @@ impl Plan {
             let [dm, enthalpy] = w.inflow[i];
             let work = w.pressure[i] * w.growth[i];
             let rise = match volume.isothermal {
-                // The wall gives what keeps the temperature.
+                // The wall supplies the heat that keeps the temperature constant.
                 Some(temperature) => {
                     w.heat[i] = cv * temperature * dm - (enthalpy - work);
                     cv * temperature * dm
@@ -332,7 +333,7 @@ impl Plan {
         rate[self.outer_impulse] = w.outer;
     }
 
-    /// Rates of the work of gas, motors and forces and of what dashpots, friction and fasteners dissipate.
+    /// Rates of the work of gas, motors and forces, and of the dissipation in dashpots, friction and fasteners.
     #[inline]
     fn losses(&self, w: &Workspace, rate: &mut [f64]) {
         for face in &self.faces {

@@ -12,7 +12,7 @@ use super::plan::{Pair, Plan};
 use super::probe::{Probe, Program};
 use super::rates::Workspace;
 
-/// History of a quantity on the grid of samples.
+/// History of a quantity at the sampling times.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Channel {
     /// `block.quantity`, or the name of a sensor.
@@ -50,13 +50,13 @@ pub struct LogEntry {
 pub struct FlowHistory {
     /// Name of the opening.
     pub name: String,
-    /// Mass flow out of the tool \[kg/s\].
+    /// Outward mass flow from the tool \[kg/s\].
     pub mass_flow: Vec<f64>,
-    /// Pressure before the restriction \[Pa\].
+    /// Pressure upstream of the restriction \[Pa\].
     pub pressure: Vec<f64>,
-    /// Pressure behind it \[Pa\].
+    /// Pressure downstream of it \[Pa\].
     pub back_pressure: Vec<f64>,
-    /// Temperature of the gas where the flow comes from \[K\].
+    /// Temperature of the gas upstream of the flow \[K\].
     pub temperature: Vec<f64>,
     /// Whether the restriction is choked.
     pub choked: Vec<bool>,
@@ -88,7 +88,7 @@ pub struct PressureHistory {
     pub divide: Vec<f64>,
 }
 
-/// An integral along the run, or an energy lost at events.
+/// An integral over the run, or an energy lost at events.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LedgerEntry {
     /// What it is: `mass.PASSAGE`, `enthalpy.PASSAGE`, `heat`, `work.BODY`, `dashpot.BLOCK`, `lost.BLOCK`, ...
@@ -99,7 +99,7 @@ pub struct LedgerEntry {
     pub value: f64,
 }
 
-/// Largest push of a contact or resistance of a fastener, over all steps and samples.
+/// Largest force of a contact or resistance of a fastener, over all steps and samples.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Peak {
     /// Name of the block.
@@ -108,20 +108,20 @@ pub struct Peak {
     pub force: f64,
 }
 
-/// A driver's blow on a fastener.
+/// The impact of a driver on a fastener.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Strike {
     /// Name of the fastener.
     pub fastener: String,
     /// Time \[s\].
     pub time: f64,
-    /// Velocity of the driver before it \[m/s\].
+    /// Velocity of the driver before the impact \[m/s\].
     pub before: f64,
-    /// Velocity of the driver behind it \[m/s\].
+    /// Velocity of the driver after the impact \[m/s\].
     pub after: f64,
 }
 
-/// Work of the integration.
+/// Work counters of the integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Effort {
     /// Accepted steps.
@@ -145,7 +145,7 @@ pub struct Effort {
 /// Results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Record {
-    /// Interval of the samples \[s\]; none if nothing was sampled.
+    /// Sampling interval \[s\]; none if nothing was sampled.
     pub interval: Option<f64>,
     /// End of the run \[s\].
     pub end: f64,
@@ -153,9 +153,9 @@ pub struct Record {
     pub channels: Vec<Channel>,
     /// Times of the named events, in the order of the assembly.
     pub events: Vec<EventTime>,
-    /// Changes of blocks in order of time.
+    /// Changes of blocks in chronological order.
     pub log: Vec<LogEntry>,
-    /// Name of the outcome, if one's test is satisfied.
+    /// Name of the outcome whose test is satisfied, if any.
     pub outcome: Option<String>,
     /// Flows through the openings that make noise.
     pub openings: Vec<FlowHistory>,
@@ -167,9 +167,9 @@ pub struct Record {
     pub ledger: Vec<LedgerEntry>,
     /// Peaks of contact and fastener forces.
     pub peaks: Vec<Peak>,
-    /// Blows on fasteners.
+    /// Impacts on fasteners.
     pub strikes: Vec<Strike>,
-    /// Conservation along the run.
+    /// Conservation checks of the run.
     pub checks: Vec<Check>,
     /// Work of the integration.
     pub work: Effort,
@@ -224,7 +224,7 @@ impl Record {
             pressures,
             ..
         } = recorder;
-        // Histories that several results share are copied, the others are moved.
+        // Histories shared by several results are copied, others are moved.
         let mut uses = vec![0usize; histories.len()];
         let surfaces = || loads.iter().chain(&pressures);
         let of_openings = openings.iter().flat_map(|opening| {
@@ -325,7 +325,7 @@ impl Record {
     }
 }
 
-/// What a record holds beside histories.
+/// Contents of a record other than histories.
 pub(crate) struct Parts {
     pub(crate) end: f64,
     pub(crate) events: Vec<EventTime>,
@@ -338,7 +338,7 @@ pub(crate) struct Parts {
     pub(crate) work: Effort,
 }
 
-/// What a history holds.
+/// Source of a history.
 #[derive(Debug, PartialEq)]
 enum Source {
     Probe(Probe),
@@ -358,7 +358,7 @@ impl Source {
     }
 }
 
-/// A named history and its place.
+/// A named history and its position.
 #[derive(Debug)]
 struct Named {
     name: String,
@@ -366,7 +366,7 @@ struct Named {
     place: usize,
 }
 
-/// Places of an opening's histories.
+/// Positions of an opening's histories.
 #[derive(Debug)]
 struct OpeningPlaces {
     name: String,
@@ -387,8 +387,8 @@ struct SurfacePlace {
     divided: Option<[usize; 2]>,
 }
 
-/// Samples that are collected by rows before they are appended to the histories: the histories are far apart in memory,
-/// and a sample would touch as many pages as there are histories.
+/// Number of samples collected as rows before they are appended to the histories. The histories are far apart in
+/// memory, and each sample would touch as many pages as there are histories.
 const BLOCK: usize = 32;
 
 /// Histories under construction.
@@ -435,7 +435,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// The place of a history; equal ones share it.
+    /// The position of a history; equal ones share it.
     fn place(&mut self, source: Source) -> usize {
         if let Some(place) = self.sources.iter().position(|other| *other == source) {
             return place;
@@ -597,7 +597,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Time of the next sample; infinite where nothing is sampled.
+    /// Time of the next sample; infinite if nothing is sampled.
     pub(crate) fn next_time(&self) -> f64 {
         self.interval
             .map_or(f64::INFINITY, |interval| self.samples as f64 * interval)
@@ -619,7 +619,7 @@ impl Recorder {
         }
     }
 
-    /// Appends the rows of the block to the histories.
+    /// Appends the collected rows to the histories.
     fn flush(&mut self) {
         let width = self.sources.len();
         for (column, history) in self.histories.iter_mut().enumerate() {
@@ -630,7 +630,7 @@ impl Recorder {
     }
 }
 
-/// Names of the blocks whose peaks are followed.
+/// Names of the blocks whose peaks are tracked.
 pub(crate) fn peaked(plan: &Plan) -> Vec<Peak> {
     let a = &plan.assembly;
     let contacts = a.contacts.iter().map(|contact| &contact.name);

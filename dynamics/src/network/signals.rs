@@ -6,9 +6,9 @@ use super::mode::Mode;
 use super::plan::{AreaPlan, Plan};
 use super::rates::Workspace;
 
-/// Tolerance of a due time \[s\].
+/// Tolerance of a switching time \[s\].
 const DUE: f64 = 1e-13;
-/// Changes of one gate at one instant that count as an endless loop.
+/// Number of changes of one gate at one instant that counts as an endless loop.
 const LOOP: usize = 8;
 
 /// A block that follows a trigger.
@@ -19,12 +19,12 @@ struct Follower {
     inverted: bool,
     delay: f64,
     switch: usize,
-    /// Time of the last change and changes at that time.
+    /// Time of the last change, and number of changes at that time.
     last: f64,
     count: usize,
 }
 
-/// A change under way.
+/// A pending change.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
     time: f64,
@@ -32,16 +32,16 @@ struct Pending {
     on: bool,
 }
 
-/// Triggers in time.
+/// Triggers over time.
 #[derive(Debug, Clone)]
 pub(crate) struct Signals {
     followers: Vec<Follower>,
     pending: Vec<Pending>,
     /// Schedules of all triggers: time, trigger, state; ordered by time.
     schedule: Vec<(f64, usize, bool)>,
-    /// Entries of the schedule that are over.
+    /// Number of schedule entries that have passed.
     over: usize,
-    /// Times at which an imposed force or an area has a corner, ordered.
+    /// Times at which an imposed force or an area has a kink, in ascending order.
     corners: Vec<f64>,
 }
 
@@ -122,7 +122,7 @@ impl Signals {
         scheduled || self.pending.iter().any(|pending| t >= pending.time - DUE)
     }
 
-    /// Next time after `t` at which a switch changes or a law has a corner.
+    /// Next time after `t` at which a switch changes or a law has a kink.
     pub(crate) fn next(&self, t: f64) -> f64 {
         let scheduled = self.schedule.get(self.over).map_or(f64::INFINITY, |entry| entry.0);
         let pending = self.pending.iter().map(|p| p.time).fold(f64::INFINITY, f64::min);
@@ -130,10 +130,10 @@ impl Signals {
         scheduled.min(pending).min(corner.unwrap_or(f64::INFINITY))
     }
 
-    /// Applies one change that is due at `t`, if any; `w` holds the state.
+    /// Applies one change that is due at `t`, if any; `w` contains the state.
     ///
     /// # Errors
-    /// [`RunError::Switching`] for gates that change without end.
+    /// [`RunError::Switching`] for gates that change endlessly.
     pub(crate) fn due(
         &mut self,
         plan: &Plan,
@@ -192,7 +192,7 @@ impl Signals {
         }
     }
 
-    /// Lets the triggers hear a word.
+    /// Passes a word to the triggers.
     pub(crate) fn hear(&mut self, plan: &Plan, t: f64, mode: &mut Mode, word: Word) {
         for (i, trigger) in plan.assembly.triggers.iter().enumerate() {
             if trigger.set.contains(&word) {
@@ -223,7 +223,7 @@ impl Signals {
     }
 }
 
-/// Corners of tables of force and of ramps.
+/// Times of kinks in force tables and ramps.
 fn corners(plan: &Plan) -> Vec<f64> {
     let mut corners = Vec::new();
     for force in &plan.forces {

@@ -1,4 +1,4 @@
-//! The state at t = 0: bodies at rest on their contacts, gas at its pressure.
+//! The state at t = 0: bodies at rest on their contacts, gas at its initial pressure.
 
 use super::assembly::{Base, Family, Start};
 use super::error::RunError;
@@ -7,9 +7,9 @@ use super::plan::Plan;
 use super::rates::Workspace;
 use super::signals::Signals;
 
-/// Iterations of the search for the equilibrium.
+/// Number of iterations in the search for equilibrium.
 const ITERATIONS: usize = 60;
-/// Force that may remain, as a part of the sum of the magnitudes of the forces.
+/// Force that may remain, as a fraction of the sum of the forces' magnitudes.
 const BALANCED: f64 = 1e-11;
 
 /// State, mode and signals at t = 0.
@@ -20,14 +20,14 @@ pub(crate) struct Origin {
 }
 
 impl Plan {
-    /// The state at t = 0.
+    /// Computes the state at t = 0.
     ///
     /// Bodies that rest on a contact or a spring are in equilibrium. Newton's method finds it for the set of contacts
-    /// that are pressed. A body with a given travel hands its forces to its parent.
+    /// under compression. A body with a prescribed travel transfers its forces to its parent.
     ///
     /// # Errors
-    /// [`RunError::NotSeated`] where a body is lifted off what it rests on, [`RunError::NoEquilibrium`] where nothing
-    /// carries a body.
+    /// [`RunError::NotSeated`] if a body is lifted off its contact; [`RunError::NoEquilibrium`] if nothing supports a
+    /// body.
     pub(crate) fn start(&self) -> Result<Origin, RunError> {
         let mut mode = Mode::new(self);
         let signals = Signals::new(self, &mut mode);
@@ -78,7 +78,7 @@ impl Plan {
         Ok(Origin { y, mode, signals })
     }
 
-    /// Positions and velocities only.
+    /// Computes only positions and velocities.
     fn place(&self, y: &[f64], w: &mut Workspace) {
         for body in 0..self.bodies.len() {
             w.position[body] = y[2 * body];
@@ -94,10 +94,10 @@ impl Plan {
         }
     }
 
-    /// Bodies at their travel, or where what they rest on just touches; parents first.
+    /// Places bodies at their prescribed travel, or where their contact just touches; parents first.
     fn first_guess(&self, y: &mut [f64]) {
         let ground = self.ground();
-        // As many rounds as bodies reach from the ground to the last body of a chain.
+        // As many rounds as the longest chain of bodies may need.
         for _ in 0..self.bodies.len() {
             for (body, described) in self.assembly.bodies.iter().enumerate() {
                 let at = |y: &[f64], other: usize| {
@@ -135,7 +135,7 @@ impl Plan {
         }
     }
 
-    /// Closes the contacts that overlap, and those that a body rests on if `seats`.
+    /// Closes the contacts that overlap and, if `seats`, those on which a body rests.
     fn close_contacts(&self, y: &[f64], mode: &mut Mode, w: &mut Workspace, seats: bool) {
         self.place(y, w);
         for (i, contact) in self.contacts.iter().enumerate() {
@@ -154,8 +154,8 @@ impl Plan {
         }
     }
 
-    /// Bodies whose forces each body hands on: itself where it rests, else its first resting ancestor; none for the
-    /// ground.
+    /// For each body, the body that carries its forces: itself if it rests, else its first resting ancestor; none for
+    /// the ground.
     fn carriers(&self) -> Vec<Option<usize>> {
         let rests = |body: usize| matches!(self.assembly.bodies[body].start, Start::RestOn(_));
         (0..self.bodies.len())
@@ -175,7 +175,7 @@ impl Plan {
             .collect()
     }
 
-    /// Forces on the resting bodies with what they carry, and the sum of the magnitudes of all forces.
+    /// Forces on the resting bodies, including those transferred to them, and the sum of the magnitudes of all forces.
     fn static_forces(&self, y: &[f64], mode: &Mode, w: &mut Workspace, carriers: &[Option<usize>]) -> (Vec<f64>, f64) {
         self.place(y, w);
         w.velocity.fill(0.0);
@@ -200,7 +200,7 @@ impl Plan {
         (force, size)
     }
 
-    /// Newton's method for the positions of the resting bodies; contacts open and close with their overlap.
+    /// Newton's method for the positions of the resting bodies; contacts open and close according to their overlap.
     fn settle(&self, y: &mut [f64], mode: &mut Mode, w: &mut Workspace) -> Result<(), RunError> {
         let carriers = self.carriers();
         let resting: Vec<usize> = (0..self.bodies.len())
@@ -239,7 +239,7 @@ impl Plan {
                 return Ok(());
             }
             let (force, _) = self.static_forces(y, mode, w, &carriers);
-            // The stiffnesses, by differences small against every stroke; the forces are smooth there.
+            // Stiffnesses by finite differences with steps small compared with any stroke; the forces are smooth there.
             let step = 1e-7 * self.reach.max(1e-3);
             let mut stiffness = nalgebra::DMatrix::<f64>::zeros(n, n);
             for (column, body) in resting.iter().enumerate() {
@@ -264,7 +264,7 @@ impl Plan {
         Err(self.unsettled(worst, left))
     }
 
-    /// The error for a body that finds no equilibrium.
+    /// The error for a body without equilibrium.
     fn unsettled(&self, body: usize, unbalanced: f64) -> RunError {
         let name = |block| self.assembly.name_of(block).to_owned();
         match self.assembly.bodies[body].start {
@@ -280,7 +280,7 @@ impl Plan {
         }
     }
 
-    /// Refuses bodies that are lifted off the contact they rest on, unless a latch holds them.
+    /// Rejects bodies that are lifted off the contact they rest on, unless a latch holds them.
     fn check_seats(&self, y: &[f64], mode: &Mode) -> Result<(), RunError> {
         for (body, described) in self.assembly.bodies.iter().enumerate() {
             let Start::RestOn(block) = described.start else {

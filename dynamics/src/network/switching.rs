@@ -1,7 +1,7 @@
-//! When the mode changes, and to what.
+//! When the mode changes, and what it changes to.
 //!
-//! Each slot watches one condition of the current mode through a margin that is positive while the condition is true;
-//! the event is its fall through zero.
+//! Each slot monitors one condition of the current mode through a margin that is positive while the condition is true;
+//! the event occurs when the margin falls through zero.
 
 use super::assembly::{Action, BlockRef, Family, Word};
 use super::error::RunError;
@@ -10,7 +10,7 @@ use super::plan::{AreaPlan, Plan};
 use super::probe::{Need, Program};
 use super::rates::Workspace;
 
-/// A watched condition.
+/// A monitored condition.
 #[derive(Debug, Clone)]
 pub(crate) enum Slot {
     /// A contact, by index.
@@ -25,9 +25,9 @@ pub(crate) enum Slot {
     Stick(usize),
     /// The driver on a fastener's head.
     Head(usize),
-    /// A fastener that goes deeper.
+    /// A fastener moving deeper.
     Deeper(usize),
-    /// A fastener that comes back.
+    /// A fastener moving back.
     Back(usize),
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Slots {
     pub(crate) list: Vec<Slot>,
     /// Margin above which a slot is armed.
     pub(crate) noise: Vec<f64>,
-    /// What the margins need of a state.
+    /// How far a state must be evaluated for the margins.
     pub(crate) need: Need,
 }
 
@@ -65,8 +65,8 @@ impl Slots {
         for i in 0..plan.fasteners.len() {
             list.extend([Slot::Head(i), Slot::Deeper(i), Slot::Back(i)]);
         }
-        // The overlap of a stiff contact is the difference of positions of centimetres; the last digits of these would
-        // open and close a grazing contact thousands of times before its push has risen out of them.
+        // The overlap of a stiff contact is a difference between positions of centimetres. Their rounding would open
+        // and close a grazing contact thousands of times before its force has risen above the noise.
         let rounding = 16.0 * f64::EPSILON * plan.reach;
         let noise = list
             .iter()
@@ -81,7 +81,7 @@ impl Slots {
         Ok(Self { list, noise, need })
     }
 
-    /// Margins of a state evaluated as far as needed; infinite where nothing is watched.
+    /// Margins of a state evaluated as far as necessary; infinite if nothing is monitored.
     pub(crate) fn margins(&self, plan: &Plan, mode: &Mode, w: &Workspace, margin: &mut [f64]) {
         for (slot, margin) in self.list.iter().zip(margin) {
             *margin = slot.margin(plan, mode, w);
@@ -114,8 +114,8 @@ impl Slot {
                 let contact = &plan.contacts[*i];
                 let (u, rate) = contact.overlap(w.travel(contact.pair), w.speed(contact.pair));
                 let push = contact.pressing(u, rate);
-                // Closing needs overlap and a pushing force; a contact that overlaps while its force falls below zero
-                // stays open (C-13).
+                // Closing requires overlap and a pushing force; a contact that overlaps while its force is negative
+                // remains open (C-13).
                 if mode.is_on(contact.switch) { push } else { -u.min(push) }
             }
             Self::Spring(i) => {
@@ -158,7 +158,7 @@ impl Slot {
         }
     }
 
-    /// Changes mode and state at the event; `w` holds the state. Returns what the block logs.
+    /// Changes mode and state at the event; `w` contains the state. Returns the word that the block logs.
     pub(crate) fn cross(&self, plan: &Plan, mode: &mut Mode, y: &mut [f64], w: &Workspace) -> Option<Word> {
         let word = |family, index: usize, restriction, action| Word {
             block: BlockRef { family, index },
@@ -269,13 +269,13 @@ impl Slot {
     }
 }
 
-/// Turns a switch over; returns its new state.
+/// Toggles a switch; returns its new state.
 fn toggle(mode: &mut Mode, switch: usize) -> bool {
     mode.switches[switch] ^= 1;
     mode.is_on(switch)
 }
 
-/// Margin of a fastener against going deeper.
+/// Margin for a fastener to stop moving deeper.
 fn deeper(plan: &Plan, fastener: usize, mode: &Mode, w: &Workspace) -> f64 {
     let z = plan.depth(fastener, w);
     let fastener = &plan.fasteners[fastener];
@@ -283,7 +283,7 @@ fn deeper(plan: &Plan, fastener: usize, mode: &Mode, w: &Workspace) -> f64 {
     match mode.switches[fastener.depth] {
         depth::LOADING => fastener.length - z,
         depth::SEATED => f64::INFINITY,
-        // Reversible: the force is a function of depth until the first reversal, and nothing afterwards.
+        // Reversible: the force is a function of depth until the first reversal, and zero afterwards.
         _ if fastener.reversible && mode.switches[fastener.head] == head::LEFT => f64::INFINITY,
         _ if fastener.reversible => -z,
         depth::UNLOADING => deepest - z,
@@ -292,7 +292,7 @@ fn deeper(plan: &Plan, fastener: usize, mode: &Mode, w: &Workspace) -> f64 {
     }
 }
 
-/// Margin of a fastener against coming back.
+/// Margin for a fastener to stop moving back.
 fn back(plan: &Plan, fastener: usize, mode: &Mode, w: &Workspace) -> f64 {
     let z = plan.depth(fastener, w);
     let fastener = &plan.fasteners[fastener];

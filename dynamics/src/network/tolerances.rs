@@ -1,16 +1,16 @@
-//! What error of each state a tolerance allows.
+//! Absolute tolerance of each state.
 
 use super::plan::Plan;
 
 /// Size of the integrals, which have no error weight.
 const UNWEIGHTED: f64 = 1e30;
 
-/// Absolute tolerances: every state has a characteristic size, and its error is limited to the tolerance times that
-/// size.
+/// Absolute tolerances: every state has a characteristic size, and its error is limited to the relative tolerance times
+/// that size.
 ///
-/// Relative weights would not do: a contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is, and a
-/// gas energy of 1 kJ must not loosen that of 1 J. The size of a gas is that of its dead volume at the highest pressure
-/// of the assembly.
+/// Relative weights would not work: a contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is, and
+/// a gas energy of 1 kJ must not loosen that of 1 J. The characteristic size of a gas is that of its dead volume at the
+/// highest pressure of the assembly.
 pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
     let a = &plan.assembly;
     let mut size = vec![UNWEIGHTED; plan.size()];
@@ -34,7 +34,7 @@ pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
         size[plan.energy() + i] = energy / (plan.gamma - 1.0);
         size[plan.mass() + i] = energy / (plan.gas_constant * ambient.unwrap_or(volume.temperature));
     }
-    // The solver's norm is a mean over all entries; those without an error weight are taken out of it.
+    // The solver's norm is a mean over all entries, so those without an error weight must be excluded from it.
     let share = (plan.states() as f64 / plan.size() as f64).sqrt();
     size.iter().map(|size| relative * size * share).collect()
 }

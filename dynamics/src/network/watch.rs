@@ -1,38 +1,38 @@
-//! Changes that are only noted: bodies and flows that reverse, flows that choke.
+//! Changes that are only logged: reversals of bodies and flows, and choking of flows.
 
 use super::assembly::{Action, BlockRef, Family, Word};
 use super::mode::Mode;
 use super::plan::{Pair, Plan};
 use super::rates::Workspace;
 
-/// Least speed of a body for a true reversal; a slower one is the settling of a contact \[m/s\].
+/// Smallest speed of a body for a genuine reversal; slower reversals are the settling of a contact \[m/s\].
 const REVERSAL_SPEED: f64 = 10e-3;
 
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     /// Speed of a body.
     Turn { body: usize, pair: Pair },
-    /// Difference of the pressures at a passage.
+    /// Pressure difference across a passage.
     Direction(usize),
-    /// Flow of a passage against its choked flow.
+    /// Flow of a passage relative to its choked flow.
     Choking(usize),
 }
 
-/// A noted change.
+/// A logged change.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Note {
     pub(crate) time: f64,
     pub(crate) word: Word,
 }
 
-/// Quantities whose sign changes are noted.
+/// Quantities whose sign changes are logged.
 #[derive(Debug, Clone)]
 pub(crate) struct Watch {
     list: Vec<Kind>,
     /// Heights at the last point.
     pub(crate) last: Vec<f64>,
-    /// Of each body: largest speed since its last reversal, and the last reversal after slow motion, which counts if
-    /// fast motion follows.
+    /// For each body, the largest speed since its last reversal, and the last reversal after slow motion, which counts
+    /// if fast motion follows.
     swing: Vec<f64>,
     slow: Vec<Option<f64>>,
 }
@@ -84,7 +84,7 @@ impl Watch {
         }
     }
 
-    /// Follows the speeds of the bodies.
+    /// Tracks the speeds of the bodies.
     pub(crate) fn settle(&mut self, heights: &[f64]) {
         for (swing, speed) in self.swing.iter_mut().zip(heights) {
             *swing = swing.max(speed.abs());
@@ -92,7 +92,7 @@ impl Watch {
         self.last.copy_from_slice(heights);
     }
 
-    /// Takes a change of sign; a reversal of a body counts with fast motion before or after it.
+    /// Processes a change of sign; a reversal of a body counts only if the motion is fast before or after it.
     pub(crate) fn pass(&mut self, i: usize, time: f64, rising: bool, plan: &Plan, mode: &Mode) -> Vec<Note> {
         let note = |time, family, index, action| Note {
             time,
@@ -107,7 +107,7 @@ impl Watch {
                 let turn = |time| note(time, Family::Body, body, Action::Reverses);
                 let slow = std::mem::replace(&mut self.swing[body], 0.0) < REVERSAL_SPEED;
                 match (slow, self.slow[body].take()) {
-                    // Two slow turns are none.
+                    // Two successive slow reversals do not count.
                     (true, Some(_)) => Vec::new(),
                     (true, None) => {
                         self.slow[body] = Some(time);

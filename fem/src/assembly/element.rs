@@ -8,8 +8,8 @@ use crate::{FemError, Material};
 
 /// Shape functions and gradients at the quadrature points of an element kind.
 ///
-/// One rule serves both matrices, see [`ElementKind::rule`]; on affine elements it is exact, so the mass is consistent
-/// and the stiffness has six zero-energy modes and no more, whereas reduced rules add spurious ones.
+/// The same rule serves both matrices, see [`ElementKind::rule`]. It is exact on affine elements, so the mass is
+/// consistent and the stiffness has exactly six zero-energy modes; reduced rules would add spurious ones.
 pub(crate) struct Rule {
     points: Vec<RulePoint>,
     nodes: usize,
@@ -35,7 +35,7 @@ impl Rule {
     }
 }
 
-/// A material as the elements see it: the stiffness tensor and the density.
+/// Material data used by the elements: the stiffness tensor and the density.
 pub(crate) struct ElementMaterial {
     c: [[[[f64; 3]; 3]; 3]; 3],
     density: f64,
@@ -50,12 +50,12 @@ impl From<&Material> for ElementMaterial {
     }
 }
 
-/// Stiffness and mass of one element, node pair by node pair for b <= a: pair (a, b) is at a (a + 1) / 2 + b.
+/// Stiffness and mass of one element by node pairs with b <= a; pair (a, b) is stored at a (a + 1) / 2 + b.
 #[derive(Default)]
 pub(crate) struct ElementMatrices {
     /// K_ab, the 3 x 3 block of nodes a and b.
     pub(crate) stiffness: Vec<[[f64; 3]; 3]>,
-    /// m_ab, the same for each direction.
+    /// m_ab, equal for all directions.
     pub(crate) mass: Vec<f64>,
 }
 
@@ -63,8 +63,8 @@ pub(crate) struct ElementMatrices {
 ///
 /// K_ab,ij = C_ikjl integral of dN_a/dx_k dN_b/dx_l dV,  m_ab = rho integral of N_a N_b dV.
 ///
-/// The integrals of gradient products are taken first and contracted with C once, which a constant C within the
-/// element permits and which costs a fraction of B^T C B at every point.
+/// The integrals of gradient products are computed first and contracted with C once. This is possible because C is
+/// constant within the element, and costs a fraction of B^T C B at every point.
 pub(crate) fn integrate(
     mesh: &Mesh,
     index: usize,
@@ -108,8 +108,8 @@ pub(crate) fn integrate(
     Ok(ElementMatrices { stiffness, mass })
 }
 
-/// Adds one quadrature point's products of gradients and shape functions, compiled for the vector instructions found at
-/// run time.
+/// Adds the products of gradients and of shape functions at one quadrature point, compiled for the vector instructions
+/// detected at run time.
 struct Products<'a> {
     dv: f64,
     density: f64,

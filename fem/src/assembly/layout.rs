@@ -1,4 +1,4 @@
-//! The pattern of K and M and the values scattered into it.
+//! The sparsity pattern of K and M, and the assembly of values into it.
 
 use std::ops::Range;
 
@@ -12,16 +12,16 @@ use crate::factor::order::Graph;
 use crate::reduction::{Reduction, Term};
 use crate::{FemError, Material};
 
-/// Elements integrated at once, in parallel; they are added up in their order.
+/// Number of elements integrated in parallel at a time; their sums are formed in element order.
 const BATCH: usize = 1024;
 
-/// Pieces of the columns that are added up side by side.
+/// Number of column blocks that are assembled in parallel.
 const PIECES: usize = 8;
 
-/// Nodes whose neighbours one thread finds at a time.
+/// Number of nodes whose neighbours one thread finds at a time.
 const NODES: usize = 4096;
 
-/// The sets of independent nodes whose unknowns meet in one matrix: those of each element and of each attachment.
+/// Sets of independent nodes whose unknowns are coupled: those of each element and of each attachment.
 pub(crate) struct Cliques {
     offsets: Vec<usize>,
     nodes: Vec<usize>,
@@ -53,7 +53,7 @@ impl Cliques {
         self.nodes.iter().copied()
     }
 
-    /// The graph of nodes that share a clique, nodes numbered by `index`.
+    /// The graph of nodes that share a clique, with nodes numbered by `index`.
     pub(crate) fn graph(&self, index: &[Option<usize>], n: usize) -> Graph {
         let mut cliques_of: Vec<Vec<usize>> = vec![Vec::new(); n];
         for (c, range) in self.offsets.windows(2).enumerate() {
@@ -92,30 +92,30 @@ impl Cliques {
     }
 }
 
-/// Position of every node pair in the two matrices; it is built once, and values are scattered into it.
+/// Position of every node pair in the two matrices; built once before values are assembled.
 pub(crate) struct Layout {
     pub(crate) dof_of: Vec<usize>,
     /// Equation of each axis of each node, or none.
     equation: Vec<[Option<usize>; 3]>,
-    /// Neighbours of each node that come after it, itself first.
+    /// Neighbours of each node with later numbers, preceded by the node itself.
     later: Graph,
-    /// For each entry of `later`: entries before it in the columns of the stiffness, and in that of each axis of the
-    /// mass.
+    /// For each entry of `later`, the number of preceding entries in the columns of the stiffness, and in those of each
+    /// axis of the mass.
     before: Vec<[usize; 4]>,
-    /// How the mass of a node couples with others across axes.
+    /// How the mass matrix couples a node with others across axes.
     mixing: Vec<Mixing>,
-    /// The lower triangles of K and M by columns.
+    /// Patterns of the lower triangles of K and M, by columns.
     pub(crate) stiffness: SparsityPattern,
     pub(crate) mass: SparsityPattern,
 }
 
-/// Elements couple like axes only; attachments may couple all.
+/// Elements couple only like axes; attachments may couple all.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Mixing {
     Never,
-    /// With others that mix.
+    /// Across axes, but only with nodes that also mix.
     Among,
-    /// With every neighbour.
+    /// Across axes with every neighbour.
     Always,
 }
 
@@ -129,10 +129,10 @@ fn mixes(a: Mixing, b: Mixing) -> bool {
 }
 
 impl Layout {
-    /// `order` names the node at each place of `graph`, `free` its free axes.
+    /// `order` lists the node at each position of `graph`, `free` its free axes.
     ///
     /// # Errors
-    /// [`FemError::Order`], never for the graph of a mesh.
+    /// [`FemError::Order`]; does not occur for the graph of a mesh.
     pub(crate) fn new(
         graph: &Graph,
         order: &[usize],
@@ -204,7 +204,7 @@ impl Layout {
         })
     }
 
-    /// The values of K and M of the elements and the attachments; `index` gives the place of each node.
+    /// Assembles K and M from the elements and attachments; `index` gives the position of each node.
     pub(crate) fn scatter(
         &self,
         mesh: &Mesh,
@@ -223,8 +223,8 @@ impl Layout {
             stiffness: vec![0.0; self.stiffness.nnz()],
             mass: vec![0.0; self.mass.nnz()],
         };
-        // Elements are integrated in parallel. Each piece of the columns adds them up in the order of their numbers, so
-        // the sums do not depend on the threads. One batch is integrated while the one before it is added.
+        // Elements are integrated in parallel. Each column block adds them in the order of their numbers, so the sums
+        // do not depend on the threads. One batch is integrated while the previous one is added.
         let elements: Vec<usize> = (0..mesh.element_count()).collect();
         let integrated = |batch: &[usize]| -> Vec<Result<ElementMatrices, FemError>> {
             let of_element = |&e: &usize| {
@@ -282,7 +282,7 @@ impl Layout {
         Ok(values)
     }
 
-    /// Cuts the values at nodes into pieces of about the same size.
+    /// Splits the values into column blocks of similar size.
     fn pieces<'v>(&self, values: &'v mut Values) -> Vec<Piece<'v>> {
         let (of_stiffness, of_mass) = (self.stiffness.major_offsets(), self.mass.major_offsets());
         let Values { stiffness, mass } = values;
@@ -310,7 +310,7 @@ impl Layout {
         pieces
     }
 
-    /// Adds an element all of whose nodes are independent, as far as it lies in a piece.
+    /// Adds an element without dependent nodes, as far as it lies in a column block.
     fn add(&self, nodes: &[usize], matrices: &ElementMatrices, index: &[Option<usize>], piece: &mut Piece<'_>) {
         let mut pair = 0;
         for (a, &node_a) in nodes.iter().enumerate() {
@@ -324,7 +324,7 @@ impl Layout {
                     continue;
                 }
                 let mass = |i, j| if i == j { m } else { 0.0 };
-                // The column belongs to the node that comes first; K_ab = K_ba^T.
+                // The column belongs to the node with the lower number; K_ab = K_ba^T.
                 if p <= q {
                     self.add_pair((q, p), |i, j| block[j][i], mass, piece);
                 } else {
@@ -334,9 +334,8 @@ impl Layout {
         }
     }
 
-    /// Adds the stiffness and the mass between the axes i of node `row` and j of node `column`, which does not come
-    /// after it: all of them, or where both are one node those of the lower triangle. The mass of a pair that does not
-    /// mix the axes is zero between different ones.
+    /// Adds stiffness and mass between the axes i of node `row` and j of node `column` <= `row`: all pairs, or only the
+    /// lower triangle if the nodes are the same. Unless the pair mixes axes, the mass between different axes is zero.
     #[inline(always)]
     fn add_pair(
         &self,
@@ -349,7 +348,7 @@ impl Layout {
         let Ok(r) = later.binary_search(&row) else { return };
         let before = self.before[self.later.offsets[column] + r];
         let mixed = mixes(self.mixing[column], self.mixing[row]);
-        // Columns of a node lose one row each: the triangle of its diagonal block.
+        // In the diagonal block, which is a triangle, each column has one row less.
         let mut skipped = 0;
         for j in 0..3 {
             let Some(c) = self.equation[column][j] else { continue };
@@ -368,7 +367,7 @@ impl Layout {
         }
     }
 
-    /// Adds W^T K W and W^T M W of an element with dependent nodes, as far as they lie in a piece.
+    /// Adds W^T K W and W^T M W of an element with dependent nodes, as far as they lie in a column block.
     fn add_reduced(
         &self,
         nodes: &[usize],
@@ -409,7 +408,7 @@ impl Layout {
         }
     }
 
-    /// Adds the part of a block between the nodes p and q that lies in the lower triangle and in a piece.
+    /// Adds the part of the block between nodes p and q that lies in the lower triangle and in a column block.
     fn add_block(&self, p: usize, q: usize, k: &Matrix3<f64>, m: &Matrix3<f64>, piece: &mut Piece<'_>) {
         if p >= q && piece.nodes.contains(&q) {
             self.add_pair((p, q), |i, j| k[(i, j)], |i, j| m[(i, j)], piece);
@@ -417,17 +416,17 @@ impl Layout {
     }
 }
 
-/// Values in the places of the pattern.
+/// Values in the order of the patterns.
 pub(crate) struct Values {
     pub(crate) stiffness: Vec<f64>,
     pub(crate) mass: Vec<f64>,
 }
 
-/// The values in the columns of some nodes that follow each other.
+/// The values in the columns of consecutive nodes.
 struct Piece<'v> {
-    /// Places of the nodes.
+    /// Positions of the nodes.
     nodes: Range<usize>,
-    /// Values of the stiffness and of the mass before the piece.
+    /// Number of stiffness and mass values before the block.
     offsets: [usize; 2],
     stiffness: &'v mut [f64],
     mass: &'v mut [f64],

@@ -1,7 +1,7 @@
 //! Load vectors of a finite-element body: weights on its degrees of freedom.
 //!
-//! A load vector b reads a displacement, d = b . u, and spreads a force F as b F, so that F d is work. Two bodies that
-//! exchange a force through one pair of load vectors conserve energy.
+//! A load vector b extracts a displacement d = b . u and distributes a force F as b F, so that F d is work. If two
+//! bodies exchange a force through one pair of load vectors, energy is conserved.
 
 use nailnoise_meshes::{FaceKind, Mesh, MeshError, QuadraturePoint, Surface, SurfaceFace, gauss_legendre};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
@@ -16,12 +16,12 @@ pub struct LoadVector(Vec<(usize, f64)>);
 pub struct Rectangle {
     /// Centre \[m\].
     pub centre: Point3<f64>,
-    /// Two sides, at right angles \[m\].
+    /// Two perpendicular sides \[m\].
     pub sides: [Vector3<f64>; 2],
 }
 
 impl Rectangle {
-    /// In the plane z = `centre.z`, with its side lengths along x and y \[m\].
+    /// Creates a rectangle in the plane z = `centre.z` with the given side lengths along x and y \[m\].
     pub fn horizontal(centre: Point3<f64>, [length, width]: [f64; 2]) -> Self {
         Self {
             centre,
@@ -30,17 +30,17 @@ impl Rectangle {
     }
 }
 
-/// Gauss points along each side of a rectangle: enough for a patch that covers several quadratic elements.
+/// Number of Gauss points along each side of a rectangle: enough for a patch that covers several quadratic elements.
 const RECTANGLE_POINTS: usize = 6;
 
 /// Largest distance of a face from the plane of a rectangle \[m\].
 const PLANE_TOLERANCE: f64 = 1e-6;
 
 impl LoadVector {
-    /// Mean displacement along `direction` of a rectangle on a face group; the transpose is a uniform traction.
+    /// Mean displacement along `direction` over a rectangle on a face group; the transpose is a uniform traction.
     ///
     /// # Errors
-    /// [`MeshError::Outside`] unless the whole rectangle lies on the group.
+    /// [`MeshError::Outside`] unless the entire rectangle lies on the group.
     pub fn rectangle(
         mesh: &Mesh,
         group: &str,
@@ -64,10 +64,10 @@ impl LoadVector {
         Ok(Self::summed(weights))
     }
 
-    /// Displacement along a unit vector of a point that is at most `reach` \[m\] outside the mesh.
+    /// Displacement along a unit vector of a point that may be up to `reach` \[m\] outside the mesh.
     ///
     /// # Errors
-    /// [`MeshError::Outside`] when it is farther away.
+    /// [`MeshError::Outside`] if it is farther away.
     pub fn point(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>, reach: f64) -> Result<Self, MeshError> {
         let place = mesh.locate_within(point, reach)?;
         let of_node = |(&node, &w): (&usize, &f64)| [0, 1, 2].map(|axis| (3 * node + axis, w * direction[axis]));
@@ -76,11 +76,11 @@ impl LoadVector {
         ))
     }
 
-    /// Mean displacement along a unit vector of the part of a patch where `inside` is true; the transpose is a uniform
-    /// traction of total force 1. `None` where no point of the patch is inside.
+    /// Mean displacement along a unit vector over the part of a patch where `inside` is true; the transpose is a
+    /// uniform traction with a total force of 1. `None` if no point of the patch is inside.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`] with the names there are.
+    /// [`MeshError::UnknownGroup`], with the available names.
     pub fn traction(
         surface: &Surface,
         patch: &str,
@@ -93,8 +93,8 @@ impl LoadVector {
         Ok((area > 0.0).then(|| Self::summed(weights)))
     }
 
-    /// Mean displacement along a unit vector of the surface within a radius \[m\] of a point; `None` where no face is
-    /// that near.
+    /// Mean displacement along a unit vector of the surface within a radius \[m\] of a point; `None` if no face is that
+    /// near.
     ///
     /// # Errors
     /// None for a valid mesh.
@@ -118,11 +118,11 @@ impl LoadVector {
         Ok((area > 0.0).then(|| Self::summed(weights)))
     }
 
-    /// Volume swept into the body by those parts of patches where `inside` is true, per unit of displacement \[m2\];
-    /// the transpose is the force of a unit pressure there.
+    /// Volume swept into the body by the parts of patches where `inside` is true, per unit of displacement \[m2\]; the
+    /// transpose is the force of a unit pressure there.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`] with the names there are.
+    /// [`MeshError::UnknownGroup`], with the available names.
     pub fn pressure(
         surface: &Surface,
         patches: &[&str],
@@ -132,10 +132,10 @@ impl LoadVector {
         Ok(Self::summed(spread(surface, &points, |point| -point.normal)))
     }
 
-    /// [`Self::pressure`] for several regions of the same patches.
+    /// Same as [`Self::pressure`] for several regions of the same patches.
     ///
     /// # Errors
-    /// As [`Self::pressure`].
+    /// Same as [`Self::pressure`].
     pub fn pressures(
         surface: &Surface,
         patches: &[&str],
@@ -167,7 +167,7 @@ impl LoadVector {
         Self(self.0.iter().map(|&(dof, w)| (dof, -w)).collect())
     }
 
-    /// As a column over all `dofs` = 3 nodes degrees of freedom.
+    /// Converts to a dense column over all `dofs` = 3 nodes degrees of freedom.
     pub fn dense(&self, dofs: usize) -> DVector<f64> {
         let mut column = DVector::zeros(dofs);
         for &(dof, weight) in &self.0 {
@@ -176,7 +176,7 @@ impl LoadVector {
         column
     }
 
-    /// Displacement that it reads in each mode, one value a column of `shapes` (dofs x modes).
+    /// The displacement that it extracts from each mode, one value per column of `shapes` (dofs x modes).
     pub fn participation(&self, shapes: &DMatrix<f64>) -> DVector<f64> {
         DVector::from_iterator(
             shapes.ncols(),
@@ -186,7 +186,7 @@ impl LoadVector {
         )
     }
 
-    /// Sums the weights on each degree of freedom, in ascending order.
+    /// Sums the weights of each degree of freedom and sorts them.
     fn summed(mut weights: Vec<(usize, f64)>) -> Self {
         weights.sort_by_key(|&(dof, _)| dof);
         let mut sums: Vec<(usize, f64)> = Vec::new();
@@ -200,10 +200,11 @@ impl LoadVector {
     }
 }
 
-/// Cells along each side of a face that a region covers in part: its edge is resolved to a thirtieth of an element.
+/// Number of cells along each side of a partly covered face; they resolve the edge of a region to a thirtieth of an
+/// element.
 const CELLS: usize = 16;
 
-/// Quadrature points of patches where `inside` is true; a fine grid on faces that are partly covered.
+/// Quadrature points of patches where `inside` is true, with a fine grid on partly covered faces.
 fn points_on(
     surface: &Surface,
     patches: &[&str],
@@ -218,7 +219,7 @@ fn numbers(surface: &Surface, patches: &[&str]) -> Result<Vec<usize>, MeshError>
     patches.iter().map(|name| surface.patch(name)).collect()
 }
 
-/// [`points_on`] for the faces that are `wanted`.
+/// Same as [`points_on`] for the faces selected by `wanted`.
 fn points_where(
     surface: &Surface,
     wanted: impl Fn(&SurfaceFace) -> bool,
@@ -227,7 +228,7 @@ fn points_where(
     Ok(points_in(surface, wanted, &[inside])?.pop().unwrap_or_default())
 }
 
-/// [`points_where`] for several regions: every face is divided once.
+/// Same as [`points_where`] for several regions; every face is subdivided only once.
 fn points_in(
     surface: &Surface,
     wanted: impl Fn(&SurfaceFace) -> bool,
@@ -258,7 +259,7 @@ fn points_in(
     Ok(found)
 }
 
-/// Centroids of equal cells of a face in natural coordinates, with their areas there.
+/// Centroids of equal cells of a face in natural coordinates, with their areas in these coordinates.
 fn grid(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     let n = CELLS as f64;
     let mut cells = Vec::with_capacity(CELLS * CELLS);
@@ -282,7 +283,7 @@ fn grid(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     cells
 }
 
-/// Weights of the integral of N_a v over points, v per unit area.
+/// Weights of the integral of N_a v over points, where v is per unit area.
 fn spread(
     surface: &Surface,
     points: &[QuadraturePoint],
@@ -290,7 +291,7 @@ fn spread(
 ) -> Vec<(usize, f64)> {
     let mut weights = Vec::new();
     let mut at_nodes: Vec<Vector3<f64>> = Vec::new();
-    // Summed face by face: a face may have hundreds of points.
+    // Summed by face, because a face may have hundreds of points.
     for of_face in points.chunk_by(|a, b| a.face == b.face) {
         let nodes = &surface.faces[of_face[0].face].nodes;
         at_nodes.clear();
@@ -404,7 +405,7 @@ mod tests {
         let surface = Surface::of(&mesh);
         let every: Vec<&str> = surface.patches.iter().map(String::as_str).collect();
         let load = LoadVector::pressure(&surface, &every, |_| true).unwrap();
-        // Columns: uniform shrinking by 1, shift along x.
+        // Columns: uniform contraction by 1, and translation along x.
         let u = DMatrix::from_fn(3 * mesh.nodes.len(), 2, |dof, column| match column {
             0 => -mesh.nodes[dof / 3][dof % 3] / 3.0,
             _ => f64::from(dof % 3 == 0),

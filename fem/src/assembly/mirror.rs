@@ -5,13 +5,13 @@ use nailnoise_meshes::Mesh;
 use crate::Material;
 use crate::material::VOIGT;
 
-/// Distance between a node and the mirror image of another within which they are one, relative to the body's size.
+/// Distance within which a node and the mirror image of another count as coincident, relative to the body's size.
 const SAME_PLACE: f64 = 1e-8;
 
-/// Fewest unknowns that are worth dividing.
+/// Smallest number of unknowns for which dividing the problem pays off.
 const WORTHWHILE: usize = 3000;
 
-/// A mirror plane as a permutation with signs: unknown e becomes `sign[e]` times unknown `image[e]`.
+/// A mirror plane as a signed permutation: unknown e becomes `sign[e]` times unknown `image[e]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mirror {
     pub(crate) image: Vec<usize>,
@@ -19,14 +19,14 @@ pub(crate) struct Mirror {
 }
 
 impl Mirror {
-    /// The planes through the middle of the mesh and across its axes that map the places of the unknowns onto each
-    /// other; `equation_of` and `dof_of` number them. Whether K and M follow is for
-    /// [`crate::symmetry::sectors`] to see.
+    /// The planes through the middle of the mesh, perpendicular to its axes, that map the positions of the unknowns
+    /// onto each other; `equation_of` and `dof_of` number the unknowns. [`crate::symmetry::sectors`] checks whether K
+    /// and M have the same symmetry.
     pub(crate) fn candidates(mesh: &Mesh, equation_of: &[Option<usize>], dof_of: &[usize]) -> Vec<Self> {
         let mut nodes: Vec<usize> = dof_of.iter().map(|dof| dof / 3).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        // Rotations of rigid masses have no place that could be mirrored.
+        // Rotations of rigid masses have no position to mirror.
         if dof_of.len() < WORTHWHILE || nodes.last().is_none_or(|&n| n >= mesh.nodes.len()) {
             return Vec::new();
         }
@@ -57,10 +57,10 @@ impl Mirror {
     }
 }
 
-/// Nodes sorted along a direction that separates all nodes of a regular mesh.
+/// Nodes sorted along a direction in which no two nodes of a regular mesh coincide.
 struct Places<'a> {
     mesh: &'a Mesh,
-    /// The piece of each node: where two pieces touch, both have a node at the same place.
+    /// The connected piece of each node; where two pieces touch, both have a node at the same position.
     pieces: Vec<Option<usize>>,
     sorted: Vec<(f64, usize)>,
     lower: [f64; 3],
@@ -68,7 +68,7 @@ struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// Incommensurable, so that different nodes of a grid lie at different heights.
+    /// Incommensurable components, so that different nodes of a grid have different coordinates along this direction.
     const DIRECTION: [f64; 3] = [0.563_912_4, 0.611_737_9, 0.554_801_7];
 
     fn new(mesh: &'a Mesh, nodes: Vec<usize>) -> Self {
@@ -97,7 +97,7 @@ impl<'a> Places<'a> {
         (0..3).map(|axis| Self::DIRECTION[axis] * point[axis]).sum()
     }
 
-    /// The node at the mirror image of each node across the middle plane, or none if one has no counterpart.
+    /// For each node, the node at its mirror image in the middle plane; none if any node has no counterpart.
     fn opposite(&self, axis: usize) -> Option<Vec<usize>> {
         let size = (0..3).map(|a| self.upper[a] - self.lower[a]).fold(0.0, f64::max);
         let near = SAME_PLACE * size;
@@ -119,8 +119,8 @@ impl<'a> Places<'a> {
     }
 }
 
-/// The number of symmetry planes of a mesh and its materials, through its middle and across the axes; [`crate::modes`]
-/// uses them where constraints and attachments are symmetric too and the model is large enough.
+/// Number of symmetry planes of a mesh and its materials, through its middle and perpendicular to the axes.
+/// [`crate::modes`] uses them if constraints and attachments are symmetric as well and the model is large enough.
 pub fn mirror_planes(mesh: &Mesh, materials: &[Material]) -> usize {
     let mut nodes = mesh.connectivity.clone();
     nodes.sort_unstable();

@@ -1,4 +1,4 @@
-//! From a mesh to stiffness, mass and load vectors: element matrices, their places in K and M, mirror planes.
+//! From a mesh to stiffness, mass and load vectors: element matrices, assembly into K and M, mirror planes.
 
 mod element;
 mod layout;

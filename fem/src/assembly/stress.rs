@@ -5,14 +5,14 @@ use nalgebra::{DMatrix, Matrix3, Matrix6xX, Point3, Vector3, Vector6};
 
 use crate::{FemError, Material};
 
-/// Stress at a point of each displacement field \[Pa\], 6 x fields, in the order xx, yy, zz, yz, xz, xy.
+/// Stress at a point for each displacement field \[Pa\], 6 x fields, in the order xx, yy, zz, yz, xz, xy.
 ///
-/// sigma = C epsilon with the strain of the element that contains the point. Strains jump from element to element; on a
-/// common face the result is that of one of them. `shapes` are displacements \[m\], 3 nodes x fields, and `materials`
-/// are those of the parts.
+/// sigma = C epsilon, with the strain of the element that contains the point. Strains are discontinuous between
+/// elements; on a common face the result is from one of them. `shapes` are displacements \[m\], 3 nodes x fields;
+/// `materials` are those of the parts.
 ///
 /// # Errors
-/// A point outside the mesh, an element that is turned inside out.
+/// If the point is outside the mesh or the element is inverted.
 pub fn stress_at(
     mesh: &Mesh,
     materials: &[Material],
@@ -22,7 +22,7 @@ pub fn stress_at(
     let place = mesh.locate(point)?;
     let element = mesh.element(place.element);
     let kind = element.kind;
-    // Shape functions reproduce the natural coordinates, as every linear field of them.
+    // Shape functions reproduce the natural coordinates, like any linear field of them.
     let corners = kind.natural_nodes().iter().zip(&place.weights);
     let xi: Vector3<f64> = corners.map(|(node, weight)| Vector3::from(*node) * *weight).sum();
     let (mut n, mut slopes) = (vec![0.0; kind.nodes()], vec![[0.0; 3]; kind.nodes()]);

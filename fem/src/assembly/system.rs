@@ -1,4 +1,4 @@
-//! From a mesh to K and M.
+//! Assembles K and M from a mesh.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use crate::factor::{Symbolic, order};
 use crate::reduction::Reduction;
 use crate::{Attachments, Constraints, FemError, Material};
 
-/// The free degrees of freedom of a model, numbered node by node as the mesh has them, or in an order of elimination
+/// The free degrees of freedom of a model, numbered node by node in mesh order or in an elimination order
 /// ([`assemble_in_order`]).
 ///
-/// The degrees of freedom u of the mesh follow from the unknowns q of the equations as u = T q. A free one is an
-/// unknown itself, a fixed one is zero, and one of a tied node is a combination of unknowns.
+/// The degrees of freedom u of the mesh are u = T q, with q the unknowns of the equations. A free degree of freedom is
+/// itself an unknown, a fixed one is zero, and one of a tied node is a combination of unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equations {
     /// Degrees of freedom of the mesh.
@@ -29,17 +29,17 @@ pub struct Equations {
     equation_of: Vec<Option<usize>>,
     /// Degree of freedom of each equation.
     dof_of: Vec<usize>,
-    /// For each tied degree of freedom the equations and weights it follows from.
+    /// For each tied degree of freedom, the equations and weights that determine it.
     tied: BTreeMap<usize, Vec<(usize, f64)>>,
-    /// The degrees of freedom that are rotations; a translation of the whole leaves them at rest.
+    /// The degrees of freedom that are rotations; a translation of the body leaves them at zero.
     rotations: Vec<usize>,
-    /// Planes that map the places of the unknowns onto each other.
+    /// Planes that map the positions of the unknowns onto each other.
     mirrors: Vec<Mirror>,
 }
 
-/// Stiffness and mass of a body, fixed degrees of freedom removed.
+/// Stiffness and mass of a body without its fixed degrees of freedom.
 ///
-/// Both matrices are symmetric; only their lower triangles are stored, by columns, rows ascending.
+/// Both matrices are symmetric; only their lower triangles are stored, by columns with ascending rows.
 #[derive(Clone, Debug)]
 pub struct System {
     /// The numbering.
@@ -48,7 +48,7 @@ pub struct System {
     pub stiffness: CscMatrix<f64>,
     /// M \[kg\].
     pub mass: CscMatrix<f64>,
-    /// The pattern of factors, with the equations in an order of elimination.
+    /// The pattern of factors, if the equations are in an elimination order.
     pub(crate) symbolic: Option<Arc<Symbolic>>,
 }
 
@@ -58,7 +58,7 @@ impl Equations {
         self.dof_of.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no equations.
     pub fn is_empty(&self) -> bool {
         self.dof_of.is_empty()
     }
@@ -68,17 +68,17 @@ impl Equations {
         self.dofs
     }
 
-    /// The node of an equation; those of rigid masses follow those of the mesh.
+    /// The node of an equation; nodes of rigid masses are numbered after those of the mesh.
     pub(crate) fn node(&self, equation: usize) -> usize {
         self.dof_of[equation] / 3
     }
 
-    /// Number of nodes, with those of rigid masses.
+    /// Number of nodes, including those of rigid masses.
     pub(crate) fn nodes(&self) -> usize {
         self.equation_of.len() / 3
     }
 
-    /// Planes that map the places of the unknowns onto each other.
+    /// Planes that map the positions of the unknowns onto each other.
     pub(crate) fn mirrors(&self) -> &[Mirror] {
         &self.mirrors
     }
@@ -88,14 +88,14 @@ impl Equations {
         self.equation_of[3 * node + axis]
     }
 
-    /// T q: columns over the degrees of freedom of the mesh (3 x nodes rows) from columns over the equations; fixed
-    /// ones are zero.
+    /// T q: expands columns over the equations to the degrees of freedom of the mesh (3 x nodes rows); fixed ones are
+    /// zero.
     pub fn expand(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let columns = MatRef::from_column_major_slice(columns.as_slice(), columns.nrows(), columns.ncols());
         self.expanded(columns.ncols(), |c| columns.col(c))
     }
 
-    /// The same for columns that `column` names; threads share them.
+    /// Same as `expand` for the columns returned by `column`; threads share them.
     pub(crate) fn expanded<'c>(
         &self,
         columns: usize,
@@ -115,11 +115,11 @@ impl Equations {
         DMatrix::from_vec(self.dofs, columns, all)
     }
 
-    /// T^T f: forces on the equations from forces on the degrees of freedom of the mesh. Those on fixed ones are
-    /// dropped, those on tied ones pass to their masters.
+    /// T^T f: converts forces on the degrees of freedom of the mesh to forces on the equations. Forces on fixed degrees
+    /// of freedom are dropped; those on tied ones are transferred to their masters.
     ///
     /// # Errors
-    /// [`FemError::LoadRows`] unless there are three rows a node.
+    /// [`FemError::LoadRows`] unless there are three rows per node.
     pub fn restrict(&self, columns: &DMatrix<f64>) -> Result<DMatrix<f64>, FemError> {
         let mut all = self.select(columns)?;
         for (&dof, terms) in &self.tied {
@@ -130,12 +130,11 @@ impl Equations {
         Ok(all)
     }
 
-    /// The values of the unknowns in columns over the degrees of freedom of the mesh: expanding them gives the columns
-    /// back where these respect constraints and ties. The unknowns of rigid masses are none of the mesh's and left
-    /// zero.
+    /// Extracts the unknowns from columns over the degrees of freedom of the mesh. Expanding them restores the columns
+    /// if these satisfy constraints and ties. The unknowns of rigid masses are not in the mesh and are set to zero.
     ///
     /// # Errors
-    /// [`FemError::LoadRows`] unless there are three rows a node.
+    /// [`FemError::LoadRows`] unless there are three rows per node.
     pub fn select(&self, columns: &DMatrix<f64>) -> Result<DMatrix<f64>, FemError> {
         if columns.nrows() != self.dofs {
             return Err(FemError::LoadRows {
@@ -149,7 +148,7 @@ impl Equations {
         }))
     }
 
-    /// The unknowns when every free degree of freedom moves by `direction`, rigid masses included.
+    /// The unknowns if every free degree of freedom, including rigid masses, moves by `direction`.
     pub fn translation(&self, direction: Vector3<f64>) -> DMatrix<f64> {
         DMatrix::from_fn(self.len(), 1, |e, _| {
             let dof = self.dof_of[e];
@@ -174,7 +173,7 @@ pub fn assemble(mesh: &Mesh, materials: &[Material], constraints: &Constraints) 
 /// Assembles K and M of `mesh` with its attachments.
 ///
 /// # Errors
-/// Those of [`assemble`]. [`FemError::Mesh`] when a group is unknown or a slave node is too far from its master.
+/// Those of [`assemble`]. [`FemError::Mesh`] if a group is unknown or a slave node is too far from its master.
 /// [`FemError::TiedTwice`], [`FemError::TieCycle`], [`FemError::HeldAndTied`], [`FemError::Patch`],
 /// [`FemError::Inertia`], [`FemError::Spring`] or [`FemError::NotPositive`].
 pub fn assemble_with(
@@ -187,12 +186,12 @@ pub fn assemble_with(
     nodes.assemble(mesh, materials, None)
 }
 
-/// The same with the nodes in the order of elimination that [`elimination_order`] returned for this mesh, these
-/// constraints and attachments of the same kind on the same groups. [`crate::modes`] then needs neither to find an
-/// order nor to copy K and M into it.
+/// Same as [`assemble_with`], with the nodes in the elimination order that [`elimination_order`] returned for this
+/// mesh, these constraints and the same kinds of attachments on the same groups. [`crate::modes`] then need not compute
+/// an order or permute K and M.
 ///
 /// # Errors
-/// Those of [`assemble_with`]; [`FemError::Order`] for an order of other nodes.
+/// Those of [`assemble_with`]; [`FemError::Order`] if the order is for different nodes.
 pub fn assemble_in_order(
     mesh: &Mesh,
     materials: &[Material],
@@ -204,12 +203,12 @@ pub fn assemble_in_order(
     nodes.assemble(mesh, materials, Some(order))
 }
 
-/// The nodes of a model that have unknowns, in an order of elimination of their graph; none for a body with planes that
-/// may divide it, because its sectors have separate orders. The order does not depend on materials, nor on the sizes of
-/// masses and stiffnesses.
+/// The nodes with unknowns in an elimination order of their graph; none for a body that symmetry planes may divide,
+/// because its sectors have separate orders. The order depends neither on materials nor on the values of masses and
+/// stiffnesses.
 ///
 /// # Errors
-/// Those of [`assemble_with`], but for materials and elements.
+/// Those of [`assemble_with`], except those concerning materials and elements.
 pub fn elimination_order(
     mesh: &Mesh,
     constraints: &Constraints,
@@ -226,7 +225,7 @@ pub fn elimination_order(
     order.into_iter().map(node).collect::<Result<_, _>>().map(Some)
 }
 
-/// The nodes of a model and what joins them.
+/// The nodes of a model and their connections.
 struct Nodes {
     reduction: Reduction,
     /// Free axes of every node.
@@ -248,7 +247,7 @@ impl Nodes {
             free[node][axis.min(2)] = false;
         }
         let cliques = Cliques::new(mesh, &reduction);
-        // Nodes with nothing free, those of no element and the dependent ones have no place in the graph.
+        // Nodes without free axes, unused nodes and dependent nodes do not appear in the graph.
         let mut used = vec![false; reduction.nodes];
         cliques.nodes().for_each(|node| used[node] = true);
         let active: Vec<usize> = (0..reduction.nodes)
@@ -267,14 +266,14 @@ impl Nodes {
         })
     }
 
-    /// The place of every node in an order of those with unknowns.
+    /// The position of every node in an order of those with unknowns.
     fn index(&self, order: &[usize]) -> Vec<Option<usize>> {
         let mut index = vec![None; self.reduction.nodes];
         order.iter().enumerate().for_each(|(k, &node)| index[node] = Some(k));
         index
     }
 
-    /// Planes that may divide the body, with the equations as the mesh has them.
+    /// Symmetry planes that may divide the body, with equations numbered as in the mesh.
     fn mirrors(&self, mesh: &Mesh) -> Vec<Mirror> {
         let mut equation_of = vec![None; 3 * self.reduction.nodes];
         let free = self.active.iter().flat_map(|&node| {
@@ -289,7 +288,7 @@ impl Nodes {
         Mirror::candidates(mesh, &equation_of, &dof_of)
     }
 
-    /// The nodes with unknowns as an order of elimination names them.
+    /// The nodes with unknowns in an elimination order.
     fn ordered(&self, order: &[u32]) -> Result<Vec<usize>, FemError> {
         let order: Vec<usize> = order.iter().map(|&node| node as usize).collect();
         let mut ascending = order.clone();
@@ -360,7 +359,7 @@ impl Nodes {
     }
 }
 
-/// The symmetric matrix with these values in its lower triangle.
+/// The symmetric matrix whose lower triangle has these values.
 fn matrix(pattern: SparsityPattern, values: Vec<f64>) -> Result<CscMatrix<f64>, FemError> {
     CscMatrix::try_from_pattern_and_values(pattern, values).map_err(|e| FemError::Order { reason: e.to_string() })
 }

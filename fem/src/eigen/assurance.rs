@@ -7,20 +7,20 @@ use nailnoise_meshes::uff::Measurement;
 use nalgebra::{Complex, DMatrix, Point3};
 use serde::Serialize;
 
-/// How measured points were matched with nodes, and how similar the modes are.
+/// Result of a comparison: how measured points were matched with nodes, and how similar the modes are.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Correlation {
-    /// Whether points were matched by position; otherwise by number.
+    /// Whether points were matched by position instead of by number.
     pub by_position: bool,
     /// Number of measured points that were matched.
     pub matched: usize,
-    /// Number of measured points that were not.
+    /// Number of measured points that were not matched.
     pub unmatched: usize,
-    /// Largest distance between a measured point and its node \[m\]; none where no point has coordinates.
+    /// Largest distance between a measured point and its node \[m\]; none if no point has coordinates.
     pub farthest: Option<f64>,
-    /// The best computed mode for each measured one.
+    /// The most similar computed mode for each measured one.
     pub pairs: Vec<ModePair>,
-    /// MAC, a row a measured mode, a column a computed one.
+    /// MAC: one row per measured mode, one column per computed mode.
     pub mac: Vec<Vec<f64>>,
 }
 
@@ -40,7 +40,7 @@ pub struct ModePair {
 /// How measured points are matched with nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pairing {
-    /// A point with the nearest node of the surface.
+    /// Each point with the nearest node of the surface.
     Position {
         /// Largest distance between them \[m\].
         reach: f64,
@@ -49,14 +49,14 @@ pub enum Pairing {
     Number,
 }
 
-/// Compares measured modes with computed ones of frequencies `hz` \[Hz\], whose `shapes` are 3 nodes x modes or more.
+/// Compares measured modes with computed ones of frequencies `hz` \[Hz\] and `shapes` of 3 nodes x modes or more.
 ///
 /// ```text
 /// MAC = |phi_m^H phi_c|^2 / ((phi_m^H phi_m) (phi_c^H phi_c))
 /// ```
 ///
-/// (Allemang and Brown, IMAC 1982) over the measured degrees of freedom: those that are not zero in all modes, along
-/// the axes of each measured point. None when no point is matched.
+/// (Allemang and Brown, IMAC 1982) over the measured degrees of freedom, along the axes of each measured point; those
+/// that are zero in all modes do not count. None if no point is matched.
 pub fn correlate(
     (hz, shapes): (&[f64], &DMatrix<f64>),
     surface: &Surface,
@@ -164,7 +164,7 @@ fn nearest(surface: &Surface, point: &Point3<f64>) -> Option<(usize, f64)> {
     Some((surface.volume_nodes[best], distance))
 }
 
-/// Distance between a volume node of the surface and a point \[m\]; none for a node within the body.
+/// Distance between a volume node and a point \[m\]; none if the node is not on the surface.
 fn distance_of(surface: &Surface, node: usize, point: &Point3<f64>) -> Option<f64> {
     let place = surface.volume_nodes.iter().position(|own| *own == node)?;
     Some((surface.points[place] - point).norm())

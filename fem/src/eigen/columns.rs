@@ -1,4 +1,4 @@
-//! A tall matrix that grows by columns.
+//! A tall matrix that can grow by columns.
 
 use std::ops::Range;
 
@@ -9,14 +9,14 @@ use rayon::prelude::*;
 
 use super::dense::{ROWS, add_product, transpose_product};
 
-/// Columns in one piece of memory.
+/// Number of columns allocated at a time.
 const PIECE: usize = 128;
 
-/// V in pieces of [`PIECE`] columns, so that it grows without being copied and no more of it is in memory than is used.
+/// V in pieces of [`PIECE`] columns, so that it can grow without being copied and without unused memory.
 pub(crate) struct Columns {
     rows: usize,
-    /// Memory comes zeroed from the system. Its pages are touched only when a column is written, by all threads,
-    /// because page faults cost more than the copy.
+    /// The system provides zeroed memory. Its pages are touched only when a column is written, by all threads, because
+    /// page faults are slower than the copy.
     pieces: Vec<Vec<f64>>,
 }
 
@@ -28,7 +28,7 @@ impl Columns {
         }
     }
 
-    /// Writes a block from column `start` on.
+    /// Writes a block, starting at column `start`.
     pub(crate) fn put(&mut self, start: usize, block: MatRef<'_, f64>) {
         while self.pieces.len() * PIECE < start + block.ncols() {
             self.pieces.push(vec![0.0; self.rows * PIECE]);
@@ -43,13 +43,13 @@ impl Columns {
         }
     }
 
-    /// The columns `range` of a piece.
+    /// The columns `range` of one piece.
     fn of_piece(&self, piece: usize, range: Range<usize>) -> MatRef<'_, f64> {
         let values = &self.pieces[piece][range.start * self.rows..range.end * self.rows];
         MatRef::from_column_major_slice(values, self.rows, range.len())
     }
 
-    /// The contiguous parts of `range`, each with its place in the range.
+    /// The contiguous parts of `range`, with their offsets in the range.
     fn parts(&self, range: Range<usize>) -> impl Iterator<Item = (usize, MatRef<'_, f64>)> {
         let pieces = range.start / PIECE..range.end.div_ceil(PIECE);
         pieces.map(move |p| {
@@ -61,7 +61,7 @@ impl Columns {
         })
     }
 
-    /// V^T Z with the columns `range` of V.
+    /// V^T Z, for the columns `range` of V.
     pub(crate) fn transpose_product(&self, range: Range<usize>, z: MatRef<'_, f64>) -> Mat<f64> {
         let mut c = Mat::zeros(range.len(), z.ncols());
         for (at, v) in self.parts(range) {
@@ -71,22 +71,22 @@ impl Columns {
         c
     }
 
-    /// W += alpha V C with the columns `range` of V.
+    /// W += alpha V C, for the columns `range` of V.
     pub(crate) fn add_product(&self, range: Range<usize>, mut w: MatMut<'_, f64>, alpha: f64, c: MatRef<'_, f64>) {
         for (at, v) in self.parts(range) {
             add_product(w.rb_mut(), alpha, v, c.rb().subrows(at, v.ncols()));
         }
     }
 
-    /// V S with the first columns of V. Rows are replaced piece by piece within V, and V is given up as its columns are
-    /// copied, so that the product needs little additional room.
+    /// V S, for the first columns of V. Rows are replaced in place piece by piece, and V is freed while its columns are
+    /// copied, so that the product needs little additional memory.
     pub(crate) fn into_product(mut self, s: MatRef<'_, f64>) -> Mat<f64> {
         let parts: Vec<Range<usize>> = (0..s.nrows())
             .step_by(PIECE)
             .map(|start| start..(start + PIECE).min(s.nrows()))
             .collect();
         let rows = self.rows;
-        // Rows that are contiguous in all pieces.
+        // Groups of rows that are contiguous in all pieces.
         let mut chunks: Vec<Vec<MatMut<'_, f64>>> = (0..rows.div_ceil(ROWS)).map(|_| Vec::new()).collect();
         for piece in &mut self.pieces {
             let mut rest = MatMut::from_column_major_slice_mut(piece, rows, PIECE);
@@ -128,7 +128,7 @@ impl Columns {
     }
 }
 
-/// Copies columns to contiguous memory; threads share them.
+/// Copies columns to contiguous memory, in parallel.
 fn copy(from: MatRef<'_, f64>, to: &mut [f64]) {
     let columns = to.par_chunks_mut(from.nrows().max(1)).enumerate();
     columns.for_each(|(j, to)| {

@@ -1,4 +1,4 @@
-//! Cost of the modes of a body, estimated before they are computed.
+//! Estimates the cost of a modal solution in advance.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,14 +7,14 @@ use serde::Serialize;
 
 use crate::{Material, mirror_planes};
 
-/// Estimated cost of a modal solution, within a factor of about two.
+/// Estimated cost of a modal solution, accurate to a factor of about two.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ModalCost {
     /// Degrees of freedom.
     pub dofs: usize,
     /// Number of modes.
     pub modes: f64,
-    /// Independent problems into which mirror planes divide the body.
+    /// Number of independent problems into which mirror planes divide the body.
     pub sectors: usize,
     /// Memory \[GB\].
     pub gigabytes: f64,
@@ -23,17 +23,17 @@ pub struct ModalCost {
 }
 
 impl ModalCost {
-    /// The cost of all modes below `hz` of a mesh with one material a part and this quality.
+    /// Estimates the cost of all modes below `hz` of a mesh with one material per part and this mesh quality.
     ///
-    /// Modes by the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates (Courant and
-    /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of freedom the factor
-    /// L of a nested dissection has 28 n^(4/3) values for a compact body and 28 n lg2 n for thin walls; Lanczos takes s
-    /// = 4 N solves and stores as many vectors. The work is 6 L^2/n operations for two factors, 4 L s to solve, 4 n s^2
-    /// to orthogonalise the vectors. Mirror planes divide n and N by the number of sectors, and multiply the work by
-    /// it.
+    /// The number of modes is the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates
+    /// (Courant and Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of
+    /// freedom and nested dissection, the factor L has 28 n^(4/3) values for a compact body and 28 n lg2 n for thin
+    /// walls; Lanczos needs s = 4 N solves and stores as many vectors. The operations are 6 L^2/n for two factors, 4 L
+    /// s for the solves, and 4 n s^2 for orthogonalising the vectors. Mirror planes divide n and N by the number of
+    /// sectors, and multiply the work by it.
     ///
     /// # Errors
-    /// [`MeshError`] of the quadrature, never for a valid mesh.
+    /// [`MeshError`] of the quadrature; does not occur for a valid mesh.
     pub fn estimate(mesh: &Mesh, materials: &[Material], quality: &Quality, hz: f64) -> Result<Self, MeshError> {
         let (volumes, thicknesses) = (mesh.part_volumes()?, wall_thicknesses(mesh)?);
         let parts = volumes.iter().zip(&thicknesses).zip(materials);
@@ -44,8 +44,8 @@ impl ModalCost {
         Ok(Self::of(3.0 * mesh.nodes.len() as f64, modes, sectors, thin))
     }
 
-    /// The cost of this number of `modes` with `n` degrees of freedom in `sectors` independent problems; `thin` for
-    /// bodies of thin walls. Formulas as in [`estimate`](Self::estimate).
+    /// Estimates the cost of `modes` modes with `n` degrees of freedom in `sectors` independent problems; `thin` is
+    /// true for thin-walled bodies. For the formulas, see [`estimate`](Self::estimate).
     pub fn of(n: f64, modes: f64, sectors: u32, thin: bool) -> Self {
         let parallel = f64::from(sectors);
         let m = n / parallel;
@@ -62,8 +62,8 @@ impl ModalCost {
     }
 }
 
-/// Number of elastic modes below `hz` of a solid with this volume \[m3\] and thickness of its walls \[m\], by the
-/// leading terms that [`ModalCost::estimate`] names.
+/// Number of elastic modes below `hz` of a solid with this volume \[m3\] and wall thickness \[m\], from the leading
+/// terms given in [`ModalCost::estimate`].
 pub fn modes_below(material: &Material, volume: f64, thickness: f64, hz: f64) -> f64 {
     let omega = TAU * hz;
     let c = |k: usize| (material.stiffness()[(k, k)] / material.density()).sqrt();
@@ -75,25 +75,25 @@ pub fn modes_below(material: &Material, volume: f64, thickness: f64, hz: f64) ->
     solid.max(CLAMPED_SHARE * plate)
 }
 
-/// Longitudinal speed of a plate for a shear speed, c_P = sqrt(2/(1 - nu)) c_S with nu = 0.3.
+/// Longitudinal wave speed of a plate, given the shear speed: c_P = sqrt(2/(1 - nu)) c_S with nu = 0.3.
 fn plate_speed(c_s: f64) -> f64 {
     (2.0_f64 / 0.7).sqrt() * c_s
 }
 
-/// Share of the modes of a large plate that remains in narrow walls with fixed edges (0.51 on the tool body, 0.55 on
-/// the steel tables).
+/// Ratio of the number of modes in narrow walls with fixed edges to that of a large plate (0.51 for the tool body, 0.55
+/// for the steel tables).
 const CLAMPED_SHARE: f64 = 0.55;
 
-/// Stiffness and mass \[byte a degree of freedom\].
+/// Memory for stiffness and mass \[byte per degree of freedom\].
 const SPARSE: f64 = 2e3;
 
-/// Operations a second and core, measured on block, tables and tool body: 16e9 to 22e9 on an x86-64 of 2022.
+/// Operations per second and core, measured on block, tables and tool body: 16e9 to 22e9 on an x86-64 of 2022.
 const RATE: f64 = 18e9;
 
-/// Mean thickness of the walls of each part, twice its volume over its share of the skin \[m\].
+/// Mean wall thickness of each part, twice its volume divided by its share of the skin area \[m\].
 ///
 /// # Errors
-/// [`MeshError`] of the quadrature, never for a valid mesh.
+/// [`MeshError`] of the quadrature; does not occur for a valid mesh.
 pub fn wall_thicknesses(mesh: &Mesh) -> Result<Vec<f64>, MeshError> {
     let volumes = mesh.part_volumes()?;
     let skin = Surface::of(mesh);
@@ -108,31 +108,31 @@ pub fn wall_thicknesses(mesh: &Mesh) -> Result<Vec<f64>, MeshError> {
         .collect())
 }
 
-/// The element side that is longest in terms of the shortest wave along it.
+/// The element side that is longest relative to the shortest wavelength along it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ShortestWave {
     /// Frequency \[Hz\].
     pub hz: f64,
-    /// Thickness of the walls \[m\].
+    /// Wall thickness \[m\].
     pub thickness: f64,
-    /// Shortest wave along that side \[m\].
+    /// Shortest wavelength along that side \[m\].
     pub shortest: f64,
-    /// That side \[m\].
+    /// Length of that side \[m\].
     pub side: f64,
-    /// Number of such sides in that wave.
+    /// Number of such sides per wavelength.
     pub elements: f64,
 }
 
 impl ShortestWave {
-    /// The shortest waves along all element sides of a part with walls of this thickness \[m\], in a solid and in a
+    /// The shortest wavelengths along all element sides of a part with this wall thickness \[m\], in a solid and in a
     /// wall (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3).
     ///
     /// ```text
     /// lambda_S = c_S / f,   lambda_B = sqrt(1.8 c_L t / f),
     /// ```
     ///
-    /// with the wave speeds c_S and c_L of the material in the direction of the side. Long elements along a grain thus
-    /// do not count as coarse.
+    /// where c_S and c_L are the wave speeds of the material in the direction of the side. Elements that are long only
+    /// along the grain thus do not count as coarse.
     pub fn of_part(mesh: &Mesh, part: usize, material: &Material, hz: f64, thickness: f64) -> Self {
         let mut worst = Self {
             hz,

@@ -1,4 +1,5 @@
-//! Dense kernels on tall blocks, split into fixed rows so that no bit depends on the number of threads.
+//! Dense kernels for tall blocks, split into fixed row blocks so that results are bitwise independent of the number of
+//! threads.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::FemError;
 
-/// Rows of a piece; the split depends only on the matrix.
+/// Rows per block; the split depends only on the matrix.
 pub(crate) const ROWS: usize = 4096;
 
 /// V^T W.
@@ -41,9 +42,9 @@ pub(crate) fn add_product(w: MatMut<'_, f64>, alpha: f64, v: MatRef<'_, f64>, c:
     });
 }
 
-/// Makes the columns of W orthonormal in the inner product of M, given Z = M W, which is transformed likewise. Returns
-/// the upper triangular R with W = Q R, by Cholesky QR done twice (Yamamoto et al. 2015), or none when W is too close
-/// to rank deficiency for that.
+/// Makes the columns of W M-orthonormal, given Z = M W, which is transformed likewise. Returns the upper triangular R
+/// with W = Q R, computed by Cholesky QR applied twice (Yamamoto et al. 2015), or none if W is too close to rank
+/// deficiency.
 pub(crate) fn cholesky_qr(w: &mut Mat<f64>, z: &mut Mat<f64>) -> Option<Mat<f64>> {
     let first = cholesky_qr_once(w, z)?;
     let second = cholesky_qr_once(w, z)?;
@@ -88,14 +89,14 @@ fn cholesky_qr_once(w: &mut Mat<f64>, z: &mut Mat<f64>) -> Option<Mat<f64>> {
     Some(r)
 }
 
-/// The number of negative eigenvalues of a symmetric band matrix with `width` diagonals on either side, by the signs
-/// of its pivots.
+/// The number of negative eigenvalues of a symmetric band matrix with `width` off-diagonals on either side, from the
+/// signs of its pivots.
 pub(crate) fn negative_pivots(t: MatRef<'_, f64>, width: usize) -> usize {
     let n = t.nrows();
     let mut a = t.to_owned();
     let mut negative = 0;
     for j in 0..n {
-        // A pivot of zero counts as positive, moved by less than rounding.
+        // A zero pivot counts as positive; shifting it changes less than rounding does.
         let pivot = if a[(j, j)] == 0.0 { f64::MIN_POSITIVE } else { a[(j, j)] };
         negative += usize::from(pivot < 0.0);
         let end = (j + width + 1).min(n);
@@ -110,7 +111,7 @@ pub(crate) fn negative_pivots(t: MatRef<'_, f64>, width: usize) -> usize {
     negative
 }
 
-/// Eigenvalues, ascending, and eigenvectors of a symmetric matrix.
+/// Eigenvalues in ascending order, and eigenvectors, of a symmetric matrix.
 pub(crate) fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), FemError> {
     let n = a.nrows();
     let mut values = Diag::zeros(n);

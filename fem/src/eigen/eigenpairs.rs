@@ -1,4 +1,4 @@
-//! Eigenpairs with their residuals, and the refinement that brings these below a limit.
+//! Eigenpairs with their residuals, and a refinement that reduces residuals below a limit.
 
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{ColRef, Mat, MatRef};
@@ -10,24 +10,25 @@ use crate::factor::pencil::Pencil;
 use crate::factor::rows::SIDES;
 use crate::factor::sparse::{Room, product, product_into};
 
-/// A mode is rigid when lambda is below this fraction of the edge: its frequency is then below 5e-5 of the top.
+/// A mode is rigid if lambda is below this fraction of the edge, which corresponds to a frequency below 5e-5 of the
+/// top.
 pub(crate) const RIGID: f64 = 2.5e-9;
 
-/// The sums of K phi may cancel down to this fraction of their terms: the remainder has eight digits more than
-/// rounding.
+/// The terms of K phi may cancel down to this fraction of their size: the remainder then exceeds rounding by eight
+/// digits.
 const CANCELLED: f64 = 1e-6;
 
-/// Rounding of phi^T K phi relative to phi^T diag(K) phi; half an epsilon in sheets of 0.5 and 1 mm. A thin sheet is so
-/// stiff across its thickness that the rounding of a rigid mode's lambda may exceed [`RIGID`] of the edge.
+/// Rounding error of phi^T K phi relative to phi^T diag(K) phi; half an epsilon for sheets of 0.5 and 1 mm. A thin
+/// sheet is so stiff across its thickness that the rounding of a rigid mode's lambda may exceed [`RIGID`] of the edge.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Entries of Phi^T M Phi - I that count as rounding.
+/// Entries of Phi^T M Phi - I below this count as rounding.
 const ORTHOGONAL: f64 = 1e-14;
 
-/// Steps of inverse iteration at most.
+/// Largest number of inverse-iteration steps.
 const REFINEMENTS: usize = 4;
 
-/// Mass-normalised modes, lambda ascending up to rounding.
+/// Mass-normalised modes, in ascending order of lambda up to rounding.
 pub(crate) struct Eigenpairs {
     pub(crate) lambda: Vec<f64>,
     pub(crate) phi: Mat<f64>,
@@ -35,19 +36,19 @@ pub(crate) struct Eigenpairs {
     /// See [`crate::ModalBasis::residuals`].
     pub(crate) residuals: Vec<f64>,
     pub(crate) rigid: Vec<bool>,
-    /// Modes just above the edge, not wanted themselves.
+    /// Modes just above the edge, which are not part of the result.
     pub(crate) above: Option<Box<Eigenpairs>>,
     /// Upper edge of lambda.
     edge: f64,
-    /// The lowest lambda of an elastic mode of the body, as far as known: that of a rigid mode's residual.
+    /// The lowest lambda of the body's elastic modes, as far as known; it scales the residuals of rigid modes.
     ceiling: f64,
 }
 
-/// What K phi and lambda M phi of a mass-normalised phi differ by.
+/// Terms from which the residual of a mass-normalised mode is computed.
 struct Balance {
     lambda: f64,
     rigid: bool,
-    /// |K phi - lambda M phi|^2, or |K phi|^2 of a rigid mode.
+    /// |K phi - lambda M phi|^2, or |K phi|^2 for a rigid mode.
     difference: f64,
     /// |M phi|^2.
     size: f64,
@@ -56,9 +57,9 @@ struct Balance {
 }
 
 impl Balance {
-    /// Of the columns phi, K phi and M phi; below `rigid`, or below its own rounding, lambda is that of a rigid mode.
-    /// No strain has a negative energy, so a negative lambda is rounding, too; how much of it there is, is in the
-    /// residual.
+    /// Computes the terms from the columns phi, K phi and M phi; if lambda is below `rigid` or below its own rounding
+    /// error, the mode is rigid. Strain energy cannot be negative, so a negative lambda is rounding as well; the
+    /// residual shows how large it is.
     fn new([phi, k_phi, m_phi]: [ColRef<'_, f64>; 3], parts: &[f64], rigid: f64) -> Self {
         let lambda: f64 = phi.iter().zip(k_phi.iter()).map(|(x, y)| x * y).sum();
         let terms = phi.iter().zip(parts).map(|(x, part)| part * x * x).sum::<f64>() / CANCELLED;
@@ -91,10 +92,10 @@ impl Eigenpairs {
     pub(crate) fn new(pencil: Pencil<'_>, mut phi: Mat<f64>, edge: f64, ceiling: f64) -> Self {
         let (n, count) = (phi.nrows(), phi.ncols());
         let mut m_phi = Mat::zeros(n, count);
-        // The diagonal opens each column of the lower triangle.
+        // The diagonal entry comes first in each column of the lower triangle.
         let diagonal = |row: usize| pencil.stiffness.values()[pencil.stiffness.col_offsets()[row]];
         let parts: Vec<f64> = (0..n).map(|row| CANCELLED * diagonal(row)).collect();
-        // Threads share the blocks. K Phi is needed in passing only: it has room for one block each.
+        // Threads share the blocks. K Phi is only needed temporarily, so there is memory for one block per thread.
         let blocks = phi.par_col_chunks_mut(SIDES).zip(m_phi.par_col_chunks_mut(SIDES));
         let balances = blocks.map_init(Room::default, |room, (mut phi, mut m_phi)| {
             product_into(pencil.mass, phi.rb(), m_phi.rb_mut(), room);
@@ -127,17 +128,17 @@ impl Eigenpairs {
         pairs
     }
 
-    /// Improves modes whose residual r = K phi - lambda M phi is above half the limit, by steps of inverse iteration
-    /// with (K - sigma M)^-1, by which `solve` multiplies. It ends when none is above or a step no longer halves any,
-    /// and returns how many vectors it solved for.
+    /// Improves modes whose residual r = K phi - lambda M phi exceeds half the limit, by inverse iteration with (K -
+    /// sigma M)^-1, which `solve` applies. It stops when no residual exceeds that value or a step no longer halves any
+    /// of them, and returns the number of vectors solved for.
     ///
-    /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
-    /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
-    /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma). With sigma at the edge
-    /// this reduces modes far above, with a small negative sigma all that are not in the basis. The lowest modes of a
-    /// basis of several decades need the latter. Components of modes just above the edge, which the first would enlarge
-    /// and the second hardly reduces, are taken out as those of the basis are. Modes that a step does not improve stay
-    /// as they are.
+    /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by the square of their
+    /// frequency; a solve divides by it again. In the form phi - (K - sigma M)^-1 r, the rounding error of the solve is
+    /// relative to r instead of phi. The component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma).
+    /// With sigma at the edge, this reduces modes far above the edge; with a small negative sigma, it reduces all modes
+    /// not in the basis. The lowest modes of a basis that spans several decades need the latter. Components of modes
+    /// just above the edge, which the first shift would amplify and the second hardly reduces, are removed explicitly,
+    /// as are those of the basis. Modes that a step does not improve are left unchanged.
     pub(crate) fn refine(
         &mut self,
         pencil: Pencil<'_>,
@@ -149,7 +150,7 @@ impl Eigenpairs {
         for _ in 0..REFINEMENTS {
             let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
             let before: Vec<f64> = poor.iter().map(|&i| self.residuals[i]).collect();
-            // All blocks start from the same modes, so that threads can share them.
+            // All blocks start from the same modes, so that they can be processed in parallel.
             let steps: Vec<Self> = poor
                 .par_chunks(SIDES)
                 .map(|chosen| self.step(pencil, chosen, &solve))
@@ -174,7 +175,7 @@ impl Eigenpairs {
         solves
     }
 
-    /// A step of inverse iteration for the modes `chosen`.
+    /// One step of inverse iteration for the modes `chosen`.
     fn step(&self, pencil: Pencil<'_>, chosen: &[usize], solve: &impl Fn(&mut Mat<f64>)) -> Self {
         let n = self.phi.nrows();
         let phi = Mat::from_fn(n, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
@@ -191,7 +192,7 @@ impl Eigenpairs {
         Self::new(pencil, x, self.edge, self.elastic())
     }
 
-    /// Replaces those pairs `chosen` by others where `accepted`.
+    /// Replaces the pairs `chosen` by others for which `accepted` is true.
     fn replace(&mut self, chosen: &[usize], pairs: &Self, accepted: impl Fn(usize) -> bool) {
         for (c, &i) in chosen.iter().enumerate().filter(|(c, _)| accepted(*c)) {
             self.lambda[i] = pairs.lambda[c];
@@ -202,14 +203,15 @@ impl Eigenpairs {
         }
     }
 
-    /// Makes modes that were refined one by one orthogonal again. With Phi^T M Phi = I + E, E some 1e-8,
+    /// Restores the orthogonality of modes that were refined separately. With Phi^T M Phi = I + E, where E is about
+    /// 1e-8,
     ///
     /// ```text
     /// Phi <- Phi (I - U),   U_ij = E_ij for lambda_i < lambda_j,   U_ii = E_ii / 2,
     /// ```
     ///
-    /// leaves E^2. Of two modes the higher one is changed: a trace of the lower weighs less than its own size in the
-    /// higher one's residual, the reverse would weigh lambda_j / lambda_i times as much.
+    /// leaves an error of E^2. Of two modes, the higher one is changed: a component of the lower mode increases the
+    /// higher one's residual by less than its own size, whereas the reverse would be weighted by lambda_j / lambda_i.
     fn orthogonalise(&mut self, pencil: Pencil<'_>) {
         let gram = transpose_product(self.phi.as_ref(), self.m_phi.as_ref());
         let lower = |i: usize, j: usize| (self.lambda[i], i) < (self.lambda[j], j);
@@ -222,7 +224,7 @@ impl Eigenpairs {
                 0.0
             }
         });
-        // Modes that are orthogonal to rounding stay as they are.
+        // Modes that are already orthogonal to rounding are left unchanged.
         let changed: Vec<usize> = (0..u.ncols())
             .filter(|&j| u.col(j).iter().any(|u| u.is_nan() || u.abs() > ORTHOGONAL))
             .collect();
@@ -233,13 +235,13 @@ impl Eigenpairs {
         self.replace(&changed, &pairs, |_| true);
     }
 
-    /// Takes out of X, whose columns approximate the modes `chosen`, the components of other modes, those above
-    /// included.
+    /// Removes the components of other modes, including those above the edge, from X, whose columns approximate the
+    /// modes `chosen`.
     ///
-    /// Mode i contains phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not
-    /// do: a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
-    /// weigh lambda_j / lambda_i times as much. Near-degenerate modes, where the quotient says nothing, are made
-    /// orthogonal.
+    /// The component of mode j in mode i is phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i). Orthogonalisation alone
+    /// would not suffice: a component of a low mode in a high one, invisible in the latter's residual, would be
+    /// transferred to the low mode and be weighted there by lambda_j / lambda_i. Nearly degenerate modes, for which the
+    /// quotient is meaningless, are orthogonalised.
     fn purge(&self, pencil: Pencil<'_>, x: &mut Mat<f64>, chosen: &[usize]) {
         let k_x = product(pencil.stiffness, x.as_ref());
         let traces = |of: &Self| {
@@ -269,7 +271,7 @@ impl Eigenpairs {
         }
     }
 
-    /// The largest residual, or NaN if one is.
+    /// The largest residual, or NaN if any is NaN.
     pub(crate) fn worst(&self) -> f64 {
         self.residuals.iter().fold(
             0.0,
@@ -277,13 +279,13 @@ impl Eigenpairs {
         )
     }
 
-    /// The lowest lambda of an elastic mode, or the ceiling when there is none below it.
+    /// The lowest lambda of an elastic mode, or the ceiling if that is lower.
     pub(crate) fn elastic(&self) -> f64 {
         let elastic = self.lambda.iter().zip(&self.rigid).filter(|(_, rigid)| !**rigid);
         elastic.map(|(l, _)| *l).fold(self.ceiling, f64::min)
     }
 
-    /// Refers the residuals of rigid modes to the body's lowest elastic lambda, which may be in another sector.
+    /// Scales the residuals of rigid modes by the body's lowest elastic lambda, which may be in another sector.
     pub(crate) fn refer_to(&mut self, elastic: f64) {
         let before = self.elastic();
         self.ceiling = elastic.min(self.ceiling);

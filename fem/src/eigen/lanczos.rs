@@ -1,10 +1,10 @@
-//! Block Lanczos for the negative eigenvalues of (K - sigma M)^-1 M.
+//! Block Lanczos iteration for the negative eigenvalues of (K - sigma M)^-1 M.
 //!
-//! With the shift sigma at the upper edge of the frequencies wanted, theta = sigma / (lambda - sigma) is at most -1 for
-//! every lambda in \[0, sigma) and positive beyond. The modes wanted are the negative end of the spectrum. Their number
-//! is the Sturm count of the very factorisation that serves the iteration. The basis stays M-orthonormal to rounding,
-//! so ghosts do not occur, and by Cauchy interlacing at most as many Ritz values as eigenvalues are negative: when as
-//! many have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
+//! With the shift sigma at the upper edge of the frequency range, theta = sigma / (lambda - sigma) is at most -1 for
+//! every lambda in \[0, sigma) and positive above. The modes sought are the negative end of the spectrum. Their number
+//! is the Sturm count of the factorisation that also serves the iteration. The basis remains M-orthonormal to rounding,
+//! so there are no ghosts. By Cauchy interlacing, at most as many Ritz values as eigenvalues are negative. If that many
+//! have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
 
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
@@ -17,83 +17,83 @@ use crate::factor::sparse::{PartsRoom, Split};
 use crate::factor::subtrees::PartRows;
 use crate::random::Random;
 
-/// Least relative distance in lambda between sigma and any eigenvalue.
+/// Smallest relative distance in lambda allowed between sigma and any eigenvalue.
 const GAP: f64 = 1e-5;
 
-/// Errors at which a basis that no longer improves is handed to the refinement, whose own residuals decide.
+/// Errors below which a basis that no longer improves is passed to the refinement, whose own residuals decide.
 const REFINABLE: f64 = 1e-3;
 
-/// Checks without improvement after which a basis counts as stagnant.
+/// Number of checks without improvement after which a basis counts as stagnant.
 const STAGNANT_CHECKS: usize = 2;
 
-/// Eigenvectors of a larger theta are handed out too: their lambda is at most a tenth above sigma. The operator
-/// multiplies rounding most along these, and the refinement needs them to take it out.
+/// Eigenvectors with theta above this are returned as well: their lambda exceeds sigma by at most a tenth. The operator
+/// amplifies rounding most along these, and the refinement needs them to remove it.
 const ABOVE: f64 = 10.0;
 
 /// Largest relative residual |B y - theta y| / theta of such an eigenvector.
 const ABOVE_ERROR: f64 = 1e-7;
 
-/// Restarts before the iteration gives up.
+/// Number of restarts after which the iteration fails.
 const RESTARTS: usize = 50;
 
-/// What to find.
+/// Goal of the iteration.
 pub(crate) struct Target {
-    /// How many eigenvalues are negative.
+    /// Number of negative eigenvalues.
     pub(crate) count: usize,
     /// Largest |r| sigma / |lambda - sigma| relative to lambda, see [`Ritz::errors`].
     pub(crate) tolerance: f64,
-    /// Vectors in a block.
+    /// Block size.
     pub(crate) block: usize,
     /// The largest number of basis vectors.
     pub(crate) max_vectors: usize,
 }
 
-/// What was found.
+/// Result of the iteration.
 pub(crate) struct Pairs {
-    /// The eigenvectors of the negative eigenvalues, lambda ascending, and behind them those just above sigma, see
-    /// [`ABOVE`]; one step of the power method ahead of the Ritz vectors, not normalised.
+    /// The eigenvectors of the negative eigenvalues in ascending order of lambda, followed by those just above sigma,
+    /// see [`ABOVE`]. They are one power iteration ahead of the Ritz vectors and not normalised.
     pub(crate) vectors: Mat<f64>,
-    /// Applications of the operator to a block.
+    /// Number of applications of the operator to a block.
     pub(crate) steps: usize,
-    /// Restarts.
+    /// Number of restarts.
     pub(crate) restarts: usize,
 }
 
 /// The basis V, T = V^T M B V, and the next block Q.
 struct Basis<'a> {
     mass: &'a Split<'a>,
-    /// The accepted vectors and behind them Q.
+    /// The accepted vectors, followed by Q.
     v: Columns,
     /// M Q.
     m_q: Mat<f64>,
-    /// M times the last vectors accepted, those that the next application of B overlaps with by more than rounding.
+    /// M times the most recently accepted vectors, with which the next application of B overlaps by more than rounding.
     m_last: Mat<f64>,
     t: Mat<f64>,
-    /// Vectors accepted, not counting Q.
+    /// Number of accepted vectors, excluding Q.
     size: usize,
     block: usize,
-    /// Diagonals of T on either side of the main one that are not zero.
+    /// Number of nonzero off-diagonals of T on either side.
     band: usize,
-    /// R of the last step: B V = V T + Q R E^T with the last block's columns E of the identity.
+    /// R of the last step: B V = V T + Q R E^T, where E are the columns of the identity for the last block.
     coupling: Mat<f64>,
     random: Random,
-    /// The next block while it is formed.
+    /// The next block, while it is computed.
     w: Mat<f64>,
     room: PartsRoom,
 }
 
-/// Ritz pairs of the present basis.
+/// Ritz pairs of the current basis.
 struct Ritz {
-    /// Ascending.
+    /// Ritz values, ascending.
     theta: Vec<f64>,
     s: Mat<f64>,
-    /// |B y - theta y| in the norm of M.
+    /// |B y - theta y| in the M-norm.
     residual: Vec<f64>,
 }
 
 /// Finds the `target.count` negative eigenpairs; `apply` writes sigma (K - sigma M)^-1 Z, and `progress` is called
-/// after every step with the number of negative Ritz values. The order must exceed the count by five blocks at least.
-/// None when an eigenvalue lies so near sigma that others would lose their digits.
+/// after every step with the number of negative Ritz values. The dimension must exceed the count by at least five
+/// blocks. None if an eigenvalue is so close to sigma that the others would lose accuracy.
 pub(crate) fn lanczos(
     mass: &Split<'_>,
     target: &Target,
@@ -112,7 +112,7 @@ pub(crate) fn lanczos(
         steps += 1;
         basis.extend()?;
         let full = basis.size + block > limit;
-        // The count of the band matrix costs little and shows whether the full check can succeed at all.
+        // Counting the negative eigenvalues of the band matrix is cheap and shows whether the full check can succeed.
         let negative = negative_pivots(basis.t.as_ref(), basis.band);
         progress(negative);
         let due = basis.size >= next_check && negative >= target.count;
@@ -126,8 +126,8 @@ pub(crate) fn lanczos(
         let errors = ritz.errors(target.count);
         let converged = errors.iter().filter(|&&e| e <= target.tolerance).count();
         let worst = errors.iter().fold(0.0, |a: f64, &e| a.max(e));
-        // The lowest modes of a basis of several decades meet the rounding of the solves before the tolerance: more
-        // vectors would not help them, a refinement with a shift near them does.
+        // The lowest modes of a basis that spans several decades reach the rounding error of the solves before the
+        // tolerance. More vectors would not help; a refinement with a shift near these modes does.
         stagnant = if worst < REFINABLE && worst > 0.3 * last_worst {
             stagnant + 1
         } else {
@@ -151,8 +151,8 @@ pub(crate) fn lanczos(
             restarts += 1;
             basis.restart(&ritz, target.count + (limit - target.count) / 3);
         }
-        // Errors fall by a factor a step; the next check comes when the present pace, or three digits a step at best,
-        // reaches the tolerance.
+        // Errors fall by a constant factor per step. The next check is made when the current rate, or at best three
+        // digits per step, would reach the tolerance.
         let pace = (last_worst / worst).log10().clamp(0.5, 3.0);
         let wait = ((worst / target.tolerance).log10() / pace).clamp(1.0, 4.0) as usize;
         last_worst = worst;
@@ -166,10 +166,10 @@ impl Ritz {
         self.theta.iter().fold(0.0, |a: f64, t| a.max(t.abs()))
     }
 
-    /// For each of the `count` negative pairs the relative residual |K phi - lambda M phi| / |lambda M phi| of the
-    /// improved vector, up to the difference of norms. With B phi = theta phi + r it is
-    /// |M r| sigma / (theta^2 lambda |M phi|), and theta = sigma / (lambda - sigma). For rigid modes the lowest elastic
-    /// lambda takes the place of lambda. A residual at the level of rounding in B counts as none.
+    /// For each of the `count` negative pairs, the relative residual |K phi - lambda M phi| / |lambda M phi| of the
+    /// improved vector, up to the difference between norms. With B phi = theta phi + r, it is
+    /// |M r| sigma / (theta^2 lambda |M phi|) with theta = sigma / (lambda - sigma). For rigid modes, the lowest
+    /// elastic lambda is used. A residual at the level of rounding in B counts as zero.
     fn errors(&self, count: usize) -> Vec<f64> {
         let norm = self.norm();
         let lambda = |i: usize| {
@@ -219,15 +219,15 @@ impl<'a> Basis<'a> {
         })
     }
 
-    /// Accepts Q, given W = B Q, and forms the block after it.
+    /// Accepts Q, given W = B Q, and forms the next block.
     fn extend(&mut self) -> Result<(), FemError> {
         let (b, old) = (self.block, self.size);
         self.size += b;
         let mut t = Mat::zeros(self.size, self.size);
         t.submatrix_mut(0, 0, old, old).copy_from(&self.t);
         let mut w = std::mem::replace(&mut self.w, Mat::new());
-        // Twice is enough: W overlaps with the last blocks only, and a pass over the whole basis removes what rounding
-        // left of it in every direction.
+        // Orthogonalising twice suffices: W overlaps only with the last blocks, and a pass over the complete basis
+        // removes the rounding in every other direction.
         let start = old - self.m_last.ncols();
         let last = [(start..old, &self.m_last), (old..self.size, &self.m_q)];
         for (range, m_v) in last {
@@ -235,7 +235,7 @@ impl<'a> Basis<'a> {
             self.v.add_product(range.clone(), w.as_mut(), -1.0, c.as_ref());
             accumulate(t.as_mut().submatrix_mut(range.start, old, range.len(), b), c.as_ref());
         }
-        // The M V of the block before last is needed no more: M W takes its place.
+        // M V of the block before last is no longer needed, so its memory is reused for M W.
         let mut z = std::mem::replace(&mut self.m_last, Mat::new());
         if z.ncols() != b {
             z = Mat::zeros(w.nrows(), b);
@@ -267,8 +267,8 @@ impl<'a> Basis<'a> {
         Ok(())
     }
 
-    /// Makes an orthonormal block of a W whose columns are nearly dependent: an invariant subspace has been found, and
-    /// random directions carry on in place of those that have vanished.
+    /// Orthonormalises a W whose columns are nearly dependent. This means that an invariant subspace has been found;
+    /// random directions replace those that vanished.
     fn replace(&mut self, w: &mut Mat<f64>, z: &mut Mat<f64>) -> Result<Mat<f64>, FemError> {
         let (b, original) = (self.block, w.clone());
         let norm = |x: &Mat<f64>, m_x: &Mat<f64>| transpose_product(x.as_ref(), m_x.as_ref())[(0, 0)].max(0.0).sqrt();
@@ -322,8 +322,9 @@ impl<'a> Basis<'a> {
         Ok(Ritz { theta, s, residual })
     }
 
-    /// The Ritz vectors one application of the operator ahead, B y / theta = y + Q R s_last / theta, which costs none
-    /// (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from -1.
+    /// The Ritz vectors after one more application of the operator, B y / theta = y + Q R s_last / theta, which is
+    /// available at no cost (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from
+    /// -1.
     fn improved(self, ritz: &Ritz, count: usize) -> Mat<f64> {
         let (m, b) = (self.size, self.block);
         let above = (0..ritz.theta.len())

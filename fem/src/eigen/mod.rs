@@ -1,4 +1,4 @@
-//! Modes of vibration: block Lanczos, refinement, the Sturm count, cost and comparison with measured modes.
+//! Modes of vibration: block Lanczos, refinement, Sturm count, cost estimate and comparison with measured modes.
 
 mod assurance;
 mod basis;

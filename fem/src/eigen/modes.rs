@@ -1,4 +1,4 @@
-//! All modes below a frequency, with the proof that none is missing.
+//! Computes all modes below a frequency and proves that none is missing.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -18,33 +18,35 @@ use crate::factor::{Factor, Symbolic};
 use crate::symmetry::{Sector, sectors, whole};
 use crate::{FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
 
-/// Edges tried.
+/// Number of edges tried.
 const ATTEMPTS: usize = 6;
 
-/// Static corrections are solved with the shift -(2 pi f)^2 with this fraction of the top frequency for f, so that free
-/// bodies have a solution; it changes what modes above the top contribute by its square, 1e-4, at most.
+/// Static corrections are solved with the shift -(2 pi f)^2, where f is this fraction of the top frequency, so that a
+/// solution exists for free bodies. The shift changes the contribution of modes above the top by at most its square,
+/// 1e-4.
 const SHIFT_FRACTION: f64 = 0.01;
 
-/// Called with the number of modes found and the number of modes there are in the sectors factorised so far, from
-/// several threads; both start again from zero when the edge is moved.
+/// Called from several threads with the number of modes found and the number of modes in the sectors factorised so far;
+/// both restart from zero when the edge is moved.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Solves K phi = lambda M phi for all modes below `settings.top_hz`.
 ///
-/// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below, by the signs of D. The factors then
-/// drive block Lanczos on sigma (K - sigma M)^-1 M until that many have converged. One factorisation serves the modes
-/// and the proof that none is missing. Each mode's residual is then taken anew from K and M. Should the edge fall on a
-/// mode, it is moved up by a few parts in ten thousand.
+/// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below the top from the signs of D. The
+/// factors then serve block Lanczos on sigma (K - sigma M)^-1 M until that many modes have converged. A single
+/// factorisation thus serves both the modes and the proof that none is missing. Each mode's residual is then computed
+/// from K and M. If the edge coincides with a mode, it is moved up by a few parts in ten thousand.
 ///
-/// A body with mirror planes is solved in its sectors (even or odd in each plane) one by one, a fraction of the work.
-/// Residuals and orthonormality are those of the assembled modes on the full matrices.
+/// A body with mirror planes is solved sector by sector (even or odd in each plane), which takes a fraction of the
+/// work. Residuals and orthonormality are those of the assembled modes on the full matrices.
 ///
 /// # Errors
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]. [`FemError::Pivot`], [`FemError::Probe`],
-/// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
+/// [`FemError::NotConverged`] or [`FemError::Incomplete`] if the numerics fail; an incomplete basis is never returned.
 pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
-    // Work is shared thousands of times, each time for less than a millisecond. A thread outside the pool would sleep
-    // after each hand-over; a pool thread starts at once. While it waits it may take up other work of the pool.
+    // Work is distributed to threads thousands of times, for less than a millisecond each. A thread outside the pool
+    // would sleep after each distribution, whereas a pool thread starts at once. While it waits it may do other work of
+    // the pool.
     let (basis, ()) = rayon::join(|| solve(system, settings, progress), || ());
     basis
 }
@@ -66,24 +68,24 @@ fn solve(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> 
     };
     let solve = |sectors: &[Sector<'_>]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
     match solve(&sectors) {
-        // A symmetry that is almost exact.
+        // The symmetry is only approximate.
         Err(FemError::Residual { .. }) if sectors.len() > 1 => solve(&whole(system)?),
         solved => solved,
     }
 }
 
-/// A body in its sectors and the request for it.
+/// The sectors of a body and the settings of the solution.
 struct Problem<'a> {
     system: &'a System,
     sectors: &'a [Sector<'a>],
     symbolic: Vec<Arc<Symbolic>>,
     settings: &'a ModalSettings,
-    /// On the equations.
+    /// Loads on the equations.
     loads: Option<&'a Mat<f64>>,
     progress: &'a Progress<'a>,
 }
 
-/// Modes found so far in all sectors.
+/// Counts the modes found so far in all sectors.
 struct Counter<'a> {
     found: AtomicUsize,
     count: AtomicUsize,
@@ -99,7 +101,7 @@ impl Counter<'_> {
 /// The modes of a sector below the edge.
 struct Solution<'a> {
     pairs: Eigenpairs,
-    /// How many there are by the Sturm count.
+    /// Number of modes by the Sturm count.
     count: usize,
     factor: Factor<'a>,
 }
@@ -169,7 +171,7 @@ impl<'a> Problem<'a> {
         Err(FemError::NoGap { upper_hz })
     }
 
-    /// The modes below the edge, refined; none when the edge falls on a mode of some sector.
+    /// The modes below the edge, refined; none if the edge coincides with a mode of some sector.
     fn below(&self, edge: f64, last: bool, work: &mut ModalWork) -> Result<Option<Vec<Solution<'_>>>, FemError> {
         let counter = Counter {
             found: AtomicUsize::new(0),
@@ -196,7 +198,7 @@ impl<'a> Problem<'a> {
             return Ok(None);
         }
         let elastic = solutions.iter().map(|s| s.pairs.elastic()).fold(edge, f64::min);
-        // With loads there will be a factor at a shift near zero, which serves all modes.
+        // With loads, a factor at a shift near zero will be available, which serves all modes.
         if self.loads.is_some() {
             solutions.iter_mut().for_each(|s| s.pairs.refer_to(elastic));
             return Ok(Some(solutions));
@@ -246,8 +248,8 @@ impl<'a> Problem<'a> {
         }))
     }
 
-    /// The eigenvectors of the `count` eigenvalues below the edge, ascending, and behind them those of some just above
-    /// it; none when the edge falls on a mode.
+    /// The eigenvectors of the `count` eigenvalues below the edge in ascending order, followed by some just above it;
+    /// none if the edge coincides with a mode.
     fn find(
         &self,
         sector: &Sector<'_>,
@@ -257,7 +259,7 @@ impl<'a> Problem<'a> {
         work: &mut ModalWork,
     ) -> Result<Option<Mat<f64>>, FemError> {
         let (n, settings) = (sector.len(), self.settings);
-        // A sector with few modes needs few vectors a block: its basis grows in finer steps.
+        // A sector with few modes needs smaller blocks, so that its basis grows in finer steps.
         let block = settings.block.min((count / 2).next_multiple_of(4).max(4)).clamp(1, n);
         if count == 0 {
             return Ok(Some(Mat::zeros(n, 0)));
@@ -274,7 +276,7 @@ impl<'a> Problem<'a> {
         };
         let mut before = 0;
         let report = |found: usize| {
-            // A restart keeps the converged ones, and rounding may lose one for a step.
+            // A restart retains the converged vectors, but rounding may lose one for a step.
             counter.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
             before = before.max(found);
             counter.report();
@@ -292,7 +294,8 @@ impl<'a> Problem<'a> {
         }))
     }
 
-    /// Refines anew with factors at a shift just below zero, and returns the static response to the loads with them.
+    /// Refines the modes again with factors at a shift just below zero, and also solves for the static response to the
+    /// loads.
     fn near_zero(
         &self,
         solutions: Vec<Solution<'_>>,
@@ -330,7 +333,7 @@ impl<'a> Problem<'a> {
         Ok((all, statics))
     }
 
-    /// The modes of the body, with residuals by its own matrices.
+    /// Combines the modes of the sectors, with residuals computed from the matrices of the body.
     fn together(&self, mut pairs: Vec<Eigenpairs>, edge: f64) -> Eigenpairs {
         if let [sector] = self.sectors
             && sector.is_whole()
@@ -354,8 +357,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// All of a model so small that the modes wanted are half of what there is: with M = U D U^T and S = U D^-1/2 the
-/// eigenvectors of S^T K S, times S.
+/// Solves small models, where the modes sought are half of all, by a dense method: with M = U D U^T and S = U D^-1/2,
+/// the modes are S times the eigenvectors of S^T K S.
 fn dense(stiffness: &CscMatrix<f64>, mass: &CscMatrix<f64>, count: usize) -> Result<Mat<f64>, FemError> {
     let n = mass.nrows();
     let identity: Mat<f64> = Mat::identity(n, n);
@@ -370,12 +373,12 @@ fn dense(stiffness: &CscMatrix<f64>, mass: &CscMatrix<f64>, count: usize) -> Res
     Ok(phi)
 }
 
-/// Residual vectors: the contribution of the modes above to the response to each load.
+/// Residual vectors: the contribution of the modes above the edge to the response to each load.
 ///
-/// The vector x = A^-1 f with A = K - sigma M, freed of the modes by x - Phi Phi^T M x, is the sum over the omitted
-/// modes of phi phi^T f / (lambda - sigma). This is the static response for |sigma| far below their lambda, and it is
-/// defined for free bodies too. The Rayleigh-Ritz problem in the span of all x makes the set orthogonal and gives its
-/// frequencies.
+/// The vector x = A^-1 f with A = K - sigma M, after subtracting the modes (x - Phi Phi^T M x), is the sum over the
+/// omitted modes of phi phi^T f / (lambda - sigma). This is the static response if |sigma| is far below their lambda,
+/// and it exists for free bodies too. The Rayleigh-Ritz problem in the span of all x orthogonalises the set and yields
+/// its frequencies.
 fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<Corrections, FemError> {
     let before: Vec<f64> = {
         let m_x = product(&system.mass, x.as_ref());
@@ -386,7 +389,7 @@ fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<C
         add_product(x.as_mut(), -1.0, pairs.phi.as_ref(), c.as_ref());
     }
     let m_x = product(&system.mass, x.as_ref());
-    // A load that only the modes carry leaves rounding, which is not a shape.
+    // If the modes carry a load completely, only rounding remains, which is not a shape.
     let kept: Vec<(usize, f64)> = (0..x.ncols())
         .map(|i| (i, dot(x.as_ref(), m_x.as_ref(), i)))
         .filter(|&(i, norm)| norm > 1e-20 * before[i] && norm > 0.0)
@@ -440,7 +443,7 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
     }
 }
 
-/// An M-orthonormal basis of the span of X from its Gram matrix X^T M X; directions that depend on others are dropped.
+/// An M-orthonormal basis of the span of X from its Gram matrix X^T M X; dependent directions are dropped.
 fn independent(x: &Mat<f64>, gram: MatRef<'_, f64>) -> Result<Mat<f64>, FemError> {
     let (values, vectors) = symmetric_eigen(gram)?;
     let largest = values.last().copied().unwrap_or(0.0);

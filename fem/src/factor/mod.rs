@@ -27,10 +27,10 @@ use sparse::product_of_vector;
 use subtrees::{PartRows, Subtrees};
 use supernodal_solve::Panels;
 
-/// Largest residual of a probe; a sound factor stays many orders below.
+/// Largest residual of a probe; that of a sound factor is many orders of magnitude smaller.
 const PROBE_LIMIT: f64 = 1e-7;
 
-/// The pattern of the factor, shared by all shifts.
+/// The sparsity pattern of the factor, shared by all shifts.
 #[derive(Debug)]
 pub(crate) struct Symbolic {
     supernodal: SymbolicSupernodalCholesky<usize>,
@@ -39,12 +39,12 @@ pub(crate) struct Symbolic {
 }
 
 impl Symbolic {
-    /// Analyses the pattern of a symmetric matrix given by its lower triangle, already in the order of elimination.
+    /// Analyses the pattern of a symmetric matrix, given by its lower triangle in elimination order.
     pub(crate) fn new(a: &CscMatrix<f64>) -> Result<Self, FemError> {
         Self::of_pattern(a.pattern())
     }
 
-    /// The same given the pattern of the lower triangle by columns.
+    /// Same as `new`, given the pattern of the lower triangle by columns.
     pub(crate) fn of_pattern(lower: &SparsityPattern) -> Result<Self, FemError> {
         let n = lower.major_dim();
         let large = FemError::TooLarge { dofs: n };
@@ -65,7 +65,7 @@ impl Symbolic {
         })
     }
 
-    /// How work in this order of elimination is split among threads.
+    /// How work in this elimination order is divided among threads.
     pub(crate) fn subtrees(&self) -> &Subtrees {
         &self.subtrees
     }
@@ -75,7 +75,7 @@ impl Symbolic {
         self.supernodal.len_val()
     }
 
-    /// A factor of A that serves for solves: L D L^T, or L U with pivoting when a pivot or the probe of that fails.
+    /// A factor of A for solves: L D L^T, or L U with pivoting if a pivot or the probe of the former fails.
     pub(crate) fn best(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         self.symmetric(a, shift, values).or_else(|_| self.pivoted(a, shift))
     }
@@ -101,7 +101,7 @@ impl Symbolic {
         Ok(factor)
     }
 
-    /// L D L^T = A. Pivoting is not used; the probe checks the stability. `values` is the storage of an earlier factor,
+    /// L D L^T = A. No pivoting is used; the probe checks the stability. `values` is the storage of an earlier factor,
     /// or empty.
     pub(crate) fn symmetric(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let mut values = self.storage(values);
@@ -121,7 +121,7 @@ impl Symbolic {
         Ok(factor)
     }
 
-    /// Room for the values; pages that the system hands out as zeros are not written before the factor is.
+    /// Storage for the values; zeroed pages from the system are not touched before the factor is written.
     fn storage(&self, values: Vec<f64>) -> Vec<f64> {
         if values.len() == self.values() {
             return values;
@@ -137,7 +137,7 @@ pub(crate) struct Factor<'a> {
 }
 
 enum Kind {
-    /// L D L^T as [`panels`] stores it.
+    /// L D L^T, stored as described in [`panels`].
     Symmetric {
         values: Vec<f64>,
         diagonal: Vec<f64>,
@@ -146,7 +146,7 @@ enum Kind {
 }
 
 impl Factor<'_> {
-    /// Overwrites x by A^-1 x.
+    /// Overwrites x with A^-1 x.
     pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
         match &self.kind {
             Kind::Symmetric { values, diagonal } => {
@@ -156,7 +156,7 @@ impl Factor<'_> {
         }
     }
 
-    /// Y = scale A^-1 X, with room for the next solve.
+    /// Y = scale A^-1 X; `room` is reused by the next solve.
     pub(crate) fn solve_scaled(&self, scale: f64, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>, room: &mut PartRows) {
         match &self.kind {
             Kind::Symmetric { values, diagonal } => {
@@ -179,13 +179,13 @@ impl Factor<'_> {
         }
     }
 
-    /// The pattern.
+    /// The sparsity pattern.
     pub(crate) fn symbolic(&self) -> &Symbolic {
         self.symbolic
     }
 
-    /// The number of negative eigenvalues of A, by Sylvester's law of inertia that of the negative pivots; none where
-    /// pivoting has broken the symmetry.
+    /// The number of negative eigenvalues of A, which by Sylvester's law of inertia is that of the negative pivots;
+    /// none if pivoting has broken the symmetry.
     pub(crate) fn negative_eigenvalues(&self) -> Option<usize> {
         match &self.kind {
             Kind::Symmetric { diagonal, .. } => Some(diagonal.iter().filter(|&&d| d < 0.0).count()),
@@ -193,7 +193,7 @@ impl Factor<'_> {
         }
     }
 
-    /// The storage, for another factor.
+    /// Returns the storage for use by another factor.
     pub(crate) fn into_storage(self) -> Vec<f64> {
         match self.kind {
             Kind::Symmetric { values, .. } => values,
@@ -201,7 +201,7 @@ impl Factor<'_> {
         }
     }
 
-    /// Solves for b = A z with a random z and refuses the factor when |A x - b| / |b| is large.
+    /// Solves A x = b for b = A z with a random z, and rejects the factor if |A x - b| / |b| is large.
     fn probe(&self, a: &CscMatrix<f64>, shift: f64) -> Result<(), FemError> {
         let mut random = Random::new(1);
         let n = a.nrows();
@@ -237,7 +237,7 @@ mod tests {
 
     fn lower(rows: &[&[f64]]) -> CscMatrix<f64> {
         let dense = DMatrix::from_fn(rows.len(), rows.len(), |i, j| if i >= j { rows[i][j] } else { 0.0 });
-        // Zeros of the pattern are stored, so that all matrices share one.
+        // Zeros of the pattern are stored, so that all matrices share the pattern.
         let n = rows.len();
         let offsets = (0..=n).map(|j| j * n - j * j.saturating_sub(1) / 2).collect();
         let indices = (0..n).flat_map(|j| j..n).collect();
@@ -266,7 +266,7 @@ mod tests {
         let factor = symbolic.best(&indefinite, 0.0, Vec::new()).unwrap();
         assert_eq!(factor.negative_eigenvalues(), Some(1));
         solves(&factor, &indefinite);
-        // Its first pivot is zero: without pivoting the factor does not exist.
+        // Its first pivot is zero, so the factor does not exist without pivoting.
         let saddle = lower(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 0.0], &[2.0, -1.0, 0.0]]);
         assert!(symbolic.symmetric(&saddle, 0.0, Vec::new()).is_err());
         let factor = symbolic.best(&saddle, 0.0, Vec::new()).unwrap();
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn supernodes_of_several_blocks_and_panels_of_every_height_solve() {
-        // A full matrix is one supernode.
+        // A full matrix is a single supernode.
         for n in [5, 64, 65, 131, 134] {
             let entry = |i: usize, j: usize| ((3 * i + 7 * j) as f64).cos() + if i == j { 3.0 * n as f64 } else { 0.0 };
             let offsets = (0..=n).map(|j: usize| j * n - j * j.saturating_sub(1) / 2).collect();

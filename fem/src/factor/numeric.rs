@@ -1,13 +1,12 @@
-//! The numbers of a factor: L D L^T by supernodes, left-looking (Ng & Peyton 1993, SIAM J. Sci. Comput. 14, 1034-1056).
+//! Numerical factorisation: L D L^T by supernodes, left-looking (Ng & Peyton 1993, SIAM J. Sci. Comput. 14, 1034-1056).
 //!
-//! A supernode's columns are those of A less the contributions L_d D_d L_d^T of the supernodes below it; then its own
-//! columns are eliminated. All below a supernode of a subtree lie in the same subtree, so that subtrees are factorised
-//! side by side ([`Subtrees`] says which). The few supernodes of the top are large: threads share their columns as they
-//! take over the contributions from below, and their rows as they are eliminated, in pieces of [`WIDTH`] and
-//! [`HEIGHT`].
+//! To factorise a supernode, the contributions L_d D_d L_d^T of its descendants are subtracted from its columns of A,
+//! and the columns are then eliminated. All descendants of a supernode of a subtree lie in the same subtree, so that
+//! subtrees are factorised in parallel (see [`Subtrees`]). The few supernodes at the top are large: threads share their
+//! columns when contributions are subtracted, and their rows during elimination, in pieces of [`WIDTH`] and [`HEIGHT`].
 //!
-//! The factorisation is our own because that of faer is only parallel within single supernodes. This does not pay off
-//! for the many small supernodes of a thin housing. The dense kernels are those of faer.
+//! The factorisation is our own, because faer's is parallel only within single supernodes. This does not pay off for
+//! the many small supernodes of a thin-walled housing. The dense kernels are those of faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::{LdltError, cholesky_in_place, cholesky_in_place_scratch};
@@ -27,10 +26,10 @@ const WIDTH: usize = 128;
 /// Rows of a piece.
 const HEIGHT: usize = 256;
 
-/// Supernodes with fewer values are left to one thread.
+/// Supernodes with fewer values are processed by one thread.
 const WORTHWHILE: usize = 100_000;
 
-/// The supernodes below each that change it, ascending.
+/// The descendants of each supernode that update it, ascending.
 #[derive(Debug)]
 pub(crate) struct Descendants {
     offsets: Vec<usize>,
@@ -44,7 +43,7 @@ impl Descendants {
         for s in 0..count {
             owner[symbolic.supernode_begin()[s]..end[s]].fill(s);
         }
-        // One row of each supernode that a pattern meets represents the others.
+        // One row in each supernode that a pattern meets represents the others.
         let above = |d: usize| {
             let owners = symbolic.supernode(d).pattern().chunk_by(|&a, &b| owner[a] == owner[b]);
             owners.map(|rows| owner[rows[0]])
@@ -80,7 +79,7 @@ pub(crate) struct Numeric<'a> {
     pub(crate) a: &'a CscMatrix<f64>,
 }
 
-/// Room of one thread.
+/// Workspace of one thread.
 #[derive(Default)]
 struct Room {
     scaled: Vec<f64>,
@@ -88,7 +87,7 @@ struct Room {
     places: Vec<u32>,
 }
 
-/// The first `columns` columns of `rows` rows in `room`.
+/// The first `rows` x `columns` of the workspace as a matrix.
 fn within(room: &mut Vec<f64>, rows: usize, columns: usize) -> MatMut<'_, f64> {
     if room.len() < rows * columns {
         room.resize(rows * columns, 0.0);
@@ -98,10 +97,10 @@ fn within(room: &mut Vec<f64>, rows: usize, columns: usize) -> MatMut<'_, f64> {
 
 impl Numeric<'_> {
     /// Writes L below the diagonal of every supernode and D on it; the part above the diagonal of a supernode's own
-    /// rows is left undefined.
+    /// rows is undefined.
     ///
     /// # Errors
-    /// The number of a pivot that is zero.
+    /// The index of a zero pivot.
     pub(crate) fn factorise(&self, subtrees: &Subtrees, values: &mut [f64]) -> Result<(), usize> {
         let offsets = self.symbolic.col_ptr_for_val();
         let mut parts = Vec::with_capacity(subtrees.subtrees.len());
@@ -129,7 +128,7 @@ impl Numeric<'_> {
         self.supernodes(subtrees.top.supernodes.iter().map(|m| m.supernode), values, 0)
     }
 
-    /// Factorises supernodes, ascending, in the values from `base` on.
+    /// Factorises supernodes in ascending order; their values begin at `base`.
     fn supernodes(
         &self,
         supernodes: impl Iterator<Item = usize>,
@@ -168,8 +167,8 @@ impl Numeric<'_> {
         Ok(())
     }
 
-    /// Writes A less the contributions from below into some columns of supernode `s`, from column `first` of the matrix
-    /// on.
+    /// Writes A minus the contributions of descendants into columns of supernode `s`, starting at column `first` of the
+    /// matrix.
     fn gather(
         &self,
         s: usize,
@@ -210,7 +209,7 @@ impl Numeric<'_> {
                 let rows = tail.subrows(top, height);
                 let places = &places[top..top + height];
                 let place = places[0] as usize;
-                // Where rows and columns are adjacent in both, the product does not need a buffer.
+                // If rows and columns are contiguous in both, the product needs no buffer.
                 if columns_meet && places[height - 1] as usize + 1 - place == height {
                     let to = target
                         .rb_mut()
@@ -235,7 +234,7 @@ impl Numeric<'_> {
     }
 }
 
-/// L D for some rows of L, with D on the diagonal of `l`.
+/// L D for some rows of L, where D is on the diagonal of `l`.
 fn scale<'a>(l: MatRef<'_, f64>, rows: MatRef<'_, f64>, room: &'a mut Vec<f64>) -> MatRef<'a, f64> {
     let mut scaled = within(room, rows.nrows(), rows.ncols());
     for k in 0..rows.ncols() {
@@ -247,8 +246,8 @@ fn scale<'a>(l: MatRef<'_, f64>, rows: MatRef<'_, f64>, room: &'a mut Vec<f64>) 
     scaled.into_const()
 }
 
-/// L D L^T of a supernode's own columns, in blocks of [`WIDTH`] of them: each takes over what those before it add, and
-/// then its own rows are eliminated, those below piece by piece.
+/// L D L^T of a supernode's own columns in blocks of [`WIDTH`]: each block subtracts the contributions of earlier ones
+/// and is eliminated, with the rows below it processed piece by piece.
 fn eliminate(mut l: MatMut<'_, f64>, room: &mut Room) -> Result<(), usize> {
     let (rows, columns) = (l.nrows(), l.ncols());
     for first in (0..columns).step_by(WIDTH) {

@@ -1,10 +1,10 @@
-//! The order of elimination: nested dissection on the node graph, then postordered.
+//! The elimination order: nested dissection of the node graph, followed by a postorder.
 
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 
 use crate::FemError;
 
-/// An undirected graph without loops, neighbours ascending: those of i are `targets[offsets[i]..offsets[i + 1]]`.
+/// An undirected graph without loops; the neighbours of i, ascending, are `targets[offsets[i]..offsets[i + 1]]`.
 pub(crate) struct Graph {
     pub(crate) offsets: Vec<usize>,
     pub(crate) targets: Vec<usize>,
@@ -20,11 +20,11 @@ impl Graph {
     }
 }
 
-/// The nodes in order of elimination.
+/// The nodes in elimination order.
 ///
-/// Nested dissection (George 1973; multilevel after Karypis & Kumar 1998) gives low fill. The postorder of its
-/// elimination tree leaves the fill as it is and brings columns of equal pattern together. Of several children, the one
-/// with the longest column comes next to its parent, so that supernodes grow.
+/// Nested dissection (George 1973; multilevel after Karypis & Kumar 1998) leads to low fill. A postorder of its
+/// elimination tree does not change the fill and makes columns of equal pattern adjacent. Of several children, the one
+/// with the longest column is placed next to its parent, which enlarges supernodes.
 pub(crate) fn elimination_order(graph: &Graph) -> Result<Vec<usize>, FemError> {
     let dofs = 3 * graph.len();
     let narrow = |v: &[usize]| v.iter().map(|&i| i32::try_from(i)).collect::<Result<Vec<i32>, _>>();
@@ -40,7 +40,7 @@ pub(crate) fn elimination_order(graph: &Graph) -> Result<Vec<usize>, FemError> {
     Ok(postorder(&parent).into_iter().map(|k| order[k]).collect())
 }
 
-/// Parent of each position of `order` in the elimination tree, or none for a root (Liu 1990, algorithm 4.2).
+/// Parent of each position of `order` in the elimination tree; none for a root (Liu 1990, algorithm 4.2).
 fn elimination_tree(graph: &Graph, order: &[usize]) -> Vec<Option<usize>> {
     let mut position = vec![0; order.len()];
     for (k, &node) in order.iter().enumerate() {
@@ -66,11 +66,11 @@ fn elimination_tree(graph: &Graph, order: &[usize]) -> Vec<Option<usize>> {
     parent
 }
 
-/// A postorder of the forest; the child with the largest subtree comes last, next to its parent.
+/// A postorder of the forest in which the child with the largest subtree comes last, next to its parent.
 fn postorder(parent: &[Option<usize>]) -> Vec<usize> {
     let n = parent.len();
     let mut size = vec![1usize; n];
-    // Parents come after their children, so one sweep sums the subtrees.
+    // Parents follow their children, so a single sweep sums the subtrees.
     for (i, p) in parent.iter().enumerate() {
         if let Some(p) = *p {
             size[p] += size[i];
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn postorder_puts_children_before_parents_and_the_heavier_one_last() {
-        // 4 has the children 0 and 3; below 3 are 1 and 2 in a chain.
+        // 4 has the children 0 and 3; 3, 2 and 1 form a chain.
         let parent = [Some(4), Some(2), Some(3), Some(4), None];
         assert_eq!(postorder(&parent), [0, 1, 2, 3, 4]);
         let parent = [Some(1), Some(2), Some(4), Some(4), None];

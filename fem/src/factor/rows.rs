@@ -1,16 +1,16 @@
-//! Blocks of vectors with the values of one unknown side by side, as the kernels of solves and sparse products read
-//! them.
+//! Blocks of vectors in which the values of one unknown are adjacent, as the kernels for solves and sparse products
+//! need them.
 
 use faer::{MatMut, MatRef};
 use pulp::Simd;
 
-/// Vectors of a block.
+/// Number of vectors in a block.
 pub(crate) const SIDES: usize = 16;
 
-/// Rows of a tile that is transposed within the first cache.
+/// Number of rows in a tile that is transposed within the L1 cache.
 const TILE: usize = 32;
 
-/// The values of one unknown in all vectors of a block, two cache lines.
+/// The values of one unknown in all vectors of a block; two cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(128))]
 pub(crate) struct Row([f64; SIDES]);
@@ -38,12 +38,12 @@ impl Row {
         self.0.iter_mut().zip(&other.0).for_each(|(x, y)| *x -= y);
     }
 
-    /// Multiplies it.
+    /// Multiplies it by a factor.
     pub(crate) fn scale(&mut self, factor: f64) {
         self.0.iter_mut().for_each(|x| *x *= factor);
     }
 
-    /// Takes over up to [`SIDES`] columns; the other sides become zero.
+    /// Copies up to [`SIDES`] columns; the remaining vectors become zero.
     pub(crate) fn gather(rows: &mut [Self], x: MatRef<'_, f64>) {
         for (t, tile) in rows.chunks_mut(TILE).enumerate() {
             let x = x.subrows(t * TILE, tile.len());
@@ -58,7 +58,7 @@ impl Row {
         }
     }
 
-    /// Gives the first columns back.
+    /// Copies the first columns back.
     pub(crate) fn scatter(rows: &[Self], mut x: MatMut<'_, f64>) {
         for (t, tile) in rows.chunks(TILE).enumerate() {
             let mut x = x.as_mut().subrows_mut(t * TILE, tile.len());
@@ -78,29 +78,29 @@ impl Row {
     }
 }
 
-/// Room for one block, reused from one product to the next: its pages are as large as the vectors, and to ask the
-/// system for them anew costs as much as to transpose a block.
+/// Storage for one block, reused between products: requesting its pages from the system each time would take as long as
+/// transposing a block.
 #[derive(Default)]
 pub(crate) struct Rows(Vec<Row>);
 
 impl Rows {
-    /// Takes over up to [`SIDES`] columns; the other sides are zero.
+    /// Copies up to [`SIDES`] columns; the remaining vectors are zero.
     pub(crate) fn gather(&mut self, x: MatRef<'_, f64>) {
         self.resize(x.nrows());
         Row::gather(&mut self.0, x);
     }
 
-    /// Gives the first columns back.
+    /// Copies the first columns back.
     pub(crate) fn scatter(&self, x: MatMut<'_, f64>) {
         Row::scatter(&self.0, x);
     }
 
-    /// Changes the number of rows to `n`; the first rows stay.
+    /// Changes the number of rows to `n`; the first rows are retained.
     pub(crate) fn resize(&mut self, n: usize) {
         self.0.resize(n, Row::ZERO);
     }
 
-    /// Makes it `n` rows of zeros.
+    /// Resets it to `n` rows of zeros.
     pub(crate) fn clear(&mut self, n: usize) {
         self.0.clear();
         self.0.resize(n, Row::ZERO);

@@ -1,4 +1,4 @@
-//! Products with symmetric sparse matrices stored as lower triangles.
+//! Products with symmetric sparse matrices that are stored as lower triangles.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use super::rows::{Row, Rows, SIDES};
 use super::subtrees::{Part, PartRows, Subtrees};
 use crate::FemError;
 
-/// Room that products work in.
+/// Workspace of products.
 #[derive(Default)]
 pub(crate) struct Room {
     from: Rows,
@@ -26,7 +26,7 @@ pub(crate) fn product(a: &CscMatrix<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
     y
 }
 
-/// A x for one vector, which [`product`] would multiply together with fifteen of zeros.
+/// A x for a single vector; [`product`] would multiply fifteen zero vectors along with it.
 pub(crate) fn product_of_vector(a: &CscMatrix<f64>, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; a.nrows()];
     for j in 0..a.ncols() {
@@ -60,18 +60,18 @@ pub(crate) fn product_into(a: &CscMatrix<f64>, x: MatRef<'_, f64>, mut y: MatMut
     blocks.for_each_init(Room::default, |room, (x, y)| block(x, y, room));
 }
 
-/// Room that products by parts work in.
+/// Workspace of products by parts.
 #[derive(Default)]
 pub(crate) struct PartsRoom {
     pub(crate) from: PartRows,
     to: PartRows,
 }
 
-/// A symmetric matrix in the order of elimination that `parts` belongs to.
+/// A symmetric matrix in the elimination order of `parts`.
 pub(crate) struct Split<'a> {
     a: &'a CscMatrix<f64>,
     parts: &'a Subtrees,
-    /// For each subtree and the top the places of the rows that lie beyond the range of their column, in the order of
+    /// For each subtree and the top, the positions of rows that lie beyond the range of their column, in the order of
     /// the columns.
     beyond: Vec<Vec<u32>>,
 }
@@ -130,7 +130,7 @@ impl<'a> Split<'a> {
                     Row::scatter(&to[..part.len()], y);
                 });
             };
-            // The top has about as many columns as a few subtrees.
+            // The top has about as many columns as several subtrees.
             rayon::join(of_subtrees, || {
                 self.multiply(top, &self.beyond[subtrees.len()], reached, top_to);
             });
@@ -139,7 +139,7 @@ impl<'a> Split<'a> {
         }
     }
 
-    /// The contributions of a part's columns to its rows and to those it reaches.
+    /// Adds the contributions of a part's columns to its own rows and to the rows it reaches.
     fn multiply(&self, part: &Part, beyond: &[u32], x: &[Row], y: &mut [Row]) {
         y.fill(Row::ZERO);
         let a = self.a;
@@ -170,12 +170,12 @@ impl WithSimd for PartProduct<'_> {
         } = self;
         let mut at = 0;
         for Range { start, end } in part.rows.iter().cloned() {
-            // Own rows are closer together than their numbers.
+            // A part's own rows are stored contiguously, so their positions differ from their numbers.
             let shift = start - at;
             for j in start..end {
                 let own = j - shift;
                 let (diagonal, rows, values) = column(a, j);
-                // Rows ascend: first those of the same range, then those beyond it.
+                // Rows ascend: those in the same range come first, those beyond it follow.
                 let inside = match rows.last() {
                     Some(&last) if last >= end => rows.partition_point(|&i| i < end),
                     _ => rows.len(),
@@ -193,7 +193,7 @@ impl WithSimd for PartProduct<'_> {
     }
 }
 
-/// Y = A X with the columns of X side by side in each row, compiled for the vector instructions found at run time.
+/// Y = A X with the columns of X adjacent in each row, compiled for the vector instructions detected at run time.
 struct RowsProduct<'a> {
     a: &'a CscMatrix<f64>,
     x: &'a [Row],
@@ -218,15 +218,15 @@ impl WithSimd for RowsProduct<'_> {
 fn column(a: &CscMatrix<f64>, j: usize) -> (f64, &[usize], &[f64]) {
     let range = a.col_offsets()[j]..a.col_offsets()[j + 1];
     let (rows, values) = (&a.row_indices()[range.clone()], &a.values()[range]);
-    // The diagonal, if present, opens the column.
+    // The diagonal entry, if present, comes first in the column.
     match rows.first() {
         Some(&i) if i == j => (values[0], &rows[1..], &values[1..]),
         _ => (0.0, rows, values),
     }
 }
 
-/// y_i += A_ij x_j and y_j += A_ij x_i for entries of column j, whose row is at `own`; `place` gives the places of the
-/// others.
+/// y_i += A_ij x_j and y_j += A_ij x_i for the entries of column j, whose row is at `own`; `place` gives the positions
+/// of the others.
 #[inline(always)]
 fn multiply_column<S: Simd, I: Copy>(
     simd: S,
@@ -237,7 +237,7 @@ fn multiply_column<S: Simd, I: Copy>(
     values: &[f64],
     place: impl Fn(I) -> usize,
 ) {
-    // A pair of vectors at a time: sums and operands stay in registers, and the column of A in the cache.
+    // One pair of vectors at a time, so that sums and operands stay in registers and the column of A in the cache.
     for h in 0..SIDES / S::F64_LANES / 2 {
         let x_j = x[own].pair::<S>(h);
         let mut y_j = y[own].pair::<S>(h);
@@ -259,14 +259,14 @@ fn multiply_column<S: Simd, I: Copy>(
     }
 }
 
-/// A -= sigma M on the pattern of A, which contains that of M.
+/// A -= sigma M, where the pattern of A contains that of M.
 pub(crate) fn subtract(a: &mut CscMatrix<f64>, sigma: f64, m: &CscMatrix<f64>) {
     for (j, column) in m.col_iter().enumerate() {
         let mut target = a.col_mut(j);
         let (rows, values) = target.rows_and_values_mut();
         let mut place = 0;
         for (&i, &value) in column.row_indices().iter().zip(column.values()) {
-            // Rows ascend in both, so one sweep meets every entry of M.
+            // Rows ascend in both matrices, so one sweep finds every entry of M.
             while rows[place] < i {
                 place += 1;
             }
@@ -275,12 +275,12 @@ pub(crate) fn subtract(a: &mut CscMatrix<f64>, sigma: f64, m: &CscMatrix<f64>) {
     }
 }
 
-/// The lower triangle of a symmetric A whose unknown e becomes number `place(e)`.
+/// The lower triangle of a symmetric A after renumbering unknown e to `place(e)`.
 pub(crate) fn reordered(a: &CscMatrix<f64>, place: impl Fn(usize) -> usize) -> Result<CscMatrix<f64>, FemError> {
     let n = a.nrows();
     let places: Vec<usize> = (0..n).map(place).collect();
     u32::try_from(n).map_err(|_| FemError::TooLarge { dofs: n })?;
-    // First by rows, then by columns: the rows of a column come in ascending order.
+    // Sorted first by rows, then by columns, so that the rows of a column are ascending.
     let ends = |i: usize, j: usize| (places[i].max(places[j]), places[i].min(places[j]));
     let by_row = starts(n, a.triplet_iter().map(|(i, j, _)| ends(i, j).0));
     let mut next = by_row.clone();
@@ -304,7 +304,7 @@ pub(crate) fn reordered(a: &CscMatrix<f64>, place: impl Fn(usize) -> usize) -> R
     CscMatrix::try_from_csc_data(n, n, offsets, rows, values).map_err(|e| FemError::Order { reason: e.to_string() })
 }
 
-/// Where entries with each of `n` keys begin when they are sorted, and behind these where the last ones end.
+/// Start of the entries of each of `n` keys after sorting by key, followed by the end of the last ones.
 fn starts(n: usize, keys: impl Iterator<Item = usize>) -> Vec<usize> {
     let mut starts = vec![0; n + 1];
     keys.for_each(|key| starts[key + 1] += 1);
@@ -318,7 +318,7 @@ fn starts(n: usize, keys: impl Iterator<Item = usize>) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// A band of the lower triangle.
+    /// The lower triangle of a band matrix.
     fn band(n: usize) -> CscMatrix<f64> {
         let column = |j: usize| j..(j + 4).min(n);
         let mut offsets = vec![0];

@@ -1,10 +1,10 @@
-//! How the work with a factor is split among threads.
+//! Divides the work with a factor among threads.
 //!
-//! Columns whose supernodes lie in different subtrees of the elimination tree do not touch each other: a subtree
-//! changes its own rows and some of those above it, which are all in the pattern of its root. [`Subtrees`] cuts the
-//! tree into such parts and the top that is left. Subtrees are worked on side by side, each in a separate buffer, and
-//! their contributions to the rows of the top are summed in their order. The cut depends only on the pattern, and so
-//! does every sum: no bit depends on the number of threads.
+//! Columns in different subtrees of the elimination tree do not affect each other: a subtree changes only its own rows
+//! and some rows above it, which are all in the pattern of its root. [`Subtrees`] cuts the tree into subtrees and the
+//! remaining top. Subtrees are processed in parallel, each with a separate buffer, and their contributions to the rows
+//! of the top are summed in order. The division and every sum depend only on the pattern, so results are bitwise
+//! independent of the number of threads.
 
 use std::ops::Range;
 
@@ -13,25 +13,26 @@ use faer::{MatMut, MatRef};
 
 use super::rows::{Row, Rows};
 
-/// The largest subtree has at most this share of the factor's values, so that a few threads end at about the same time.
+/// Largest share of the factor's values in one subtree, so that a small number of threads finishes at about the same
+/// time.
 const SHARE: f64 = 1.0 / 12.0;
 
-/// Factors with fewer values are one part: a thread would wait for less than it takes to wake it.
+/// Factors with fewer values are not divided, because waking a thread would take longer than its work.
 const WORTHWHILE: usize = 200_000;
 
-/// Supernodes whose rows are adjacent while they are worked on: the part's rows, followed by those of the top that they
-/// reach.
+/// Supernodes whose rows are stored contiguously during processing: the part's own rows, followed by the rows of the
+/// top that they reach.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// Ascending.
+    /// The supernodes, ascending.
     pub(crate) supernodes: Vec<Member>,
-    /// Rows below the supernodes, by their place in this part.
+    /// Positions within this part of the rows below its supernodes.
     pattern: Vec<u32>,
-    /// Its own rows as they are numbered in the matrix, ascending.
+    /// Its own rows by their numbers in the matrix, ascending.
     pub(crate) rows: Vec<Range<usize>>,
-    /// Places within the top of the rows behind its own.
+    /// Positions within the top of the rows that follow its own.
     pub(crate) reached: Vec<u32>,
-    /// All rows as they are numbered in the matrix, ascending, each range with the place of its first row in this part.
+    /// All rows by their numbers in the matrix, ascending; each range with the position of its first row in this part.
     runs: Vec<(Range<usize>, usize)>,
 }
 
@@ -40,13 +41,13 @@ pub(crate) struct Part {
 pub(crate) struct Member {
     /// Its number.
     pub(crate) supernode: usize,
-    /// The place of its first row within the part.
+    /// Position of its first row within the part.
     pub(crate) start: usize,
     pattern: Range<usize>,
 }
 
-/// Rows of a block of vectors for every part: its own and those it reaches, the top behind the subtrees. They are one
-/// piece of memory, so that the system can give it large pages.
+/// Rows of a block of vectors for every part: those of the subtrees with the rows they reach, followed by the top. They
+/// share one allocation, so that the system can use large pages.
 #[derive(Default)]
 pub(crate) struct PartRows(Rows);
 
@@ -71,7 +72,7 @@ impl PartRows {
 pub(crate) struct Subtrees {
     /// In ascending order of their rows.
     pub(crate) subtrees: Vec<Part>,
-    /// Everything that is in none of them.
+    /// All supernodes that are in no subtree.
     pub(crate) top: Part,
 }
 
@@ -81,14 +82,14 @@ impl Part {
         self.rows.iter().map(Range::len).sum()
     }
 
-    /// The place of a row that is the part's own or one that it reaches.
+    /// Position of a row that is the part's own or that it reaches.
     #[inline(always)]
     pub(crate) fn place(&self, row: usize) -> usize {
         let (rows, start) = &self.runs[self.runs.partition_point(|(rows, _)| rows.end <= row)];
         start + row - rows.start
     }
 
-    /// Takes over the part's own rows of up to [`SIDES`](crate::factor::rows::SIDES) columns.
+    /// Copies the part's own rows of up to [`SIDES`](crate::factor::rows::SIDES) columns.
     pub(crate) fn gather(&self, rows: &mut [Row], x: MatRef<'_, f64>) {
         let mut at = 0;
         for range in &self.rows {
@@ -97,7 +98,7 @@ impl Part {
         }
     }
 
-    /// Gives the part's own rows back, to the pieces that [`Subtrees::rows_mut`] cuts.
+    /// Copies the part's own rows back to the slices made by [`Subtrees::rows_mut`].
     pub(crate) fn scatter(&self, rows: &[Row], x: Vec<MatMut<'_, f64>>) {
         let mut at = 0;
         for (range, x) in self.rows.iter().zip(x) {
@@ -106,12 +107,13 @@ impl Part {
         }
     }
 
-    /// The places of the rows below a supernode.
+    /// Positions of the rows below a supernode.
     pub(crate) fn pattern(&self, member: &Member) -> &[u32] {
         &self.pattern[member.pattern.clone()]
     }
 
-    /// Of supernodes, ascending; `place` gives the place of each row in the part, once `rows` are known.
+    /// Creates a part from supernodes, ascending; `place` gives the position of each row in the part once `rows` are
+    /// known.
     fn new(
         symbolic: &SymbolicSupernodalCholesky<usize>,
         supernodes: impl Iterator<Item = usize>,
@@ -177,7 +179,7 @@ impl Subtrees {
         let subtrees = cut.iter().map(|range| {
             let reached = symbolic.supernode(range.end - 1).pattern();
             let part = Part::new(symbolic, range.clone(), &mut place, reached);
-            // The next subtree finds the rows of the top at their places in the top again.
+            // The next subtree must find the rows of the top at their original positions.
             for (&row, &at) in reached.iter().zip(&part.reached) {
                 place[row] = at;
             }
@@ -191,8 +193,7 @@ impl Subtrees {
 }
 
 impl Subtrees {
-    /// Adds the contributions of the subtrees in the rows that they reach to those of the top, in the order of the
-    /// subtrees.
+    /// Adds the subtrees' contributions to the rows of the top, in the order of the subtrees.
     pub(crate) fn add_reached(&self, subtrees: &[&mut [Row]], top: &mut [Row]) {
         for (part, rows) in self.subtrees.iter().zip(subtrees) {
             for (&at, sum) in part.reached.iter().zip(&rows[part.len()..]) {
@@ -201,7 +202,7 @@ impl Subtrees {
         }
     }
 
-    /// The rows of X that belong to each subtree, and those of the top in pieces.
+    /// Splits X into the rows of each subtree and those of the top.
     pub(crate) fn rows_mut<'x>(&self, x: MatMut<'x, f64>) -> (Vec<MatMut<'x, f64>>, Vec<MatMut<'x, f64>>) {
         let of_subtrees = self
             .subtrees
@@ -237,7 +238,7 @@ fn cut(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Range<usize>> {
         first.map(|row| end.partition_point(|end| end <= row))
     };
     debug_assert_eq!(begin.len(), count);
-    // The first supernode below each, and how many there are.
+    // For each supernode, its first descendant and the size of its subtree.
     let mut first: Vec<usize> = (0..count).collect();
     let mut size = vec![1; count];
     let mut children = vec![Vec::new(); count];
@@ -256,7 +257,7 @@ fn cut(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Range<usize>> {
     let limit = SHARE * symbolic.len_val() as f64;
     let mut cut = Vec::new();
     while let Some(s) = open.pop() {
-        // In a postorder a subtree is a range; elsewhere its root goes to the top.
+        // In a postorder, a subtree is a contiguous range; otherwise its root is added to the top.
         let range = size[s] == s + 1 - first[s];
         if range && weight(s) as f64 <= limit {
             cut.push(first[s]..s + 1);
@@ -278,7 +279,7 @@ mod tests {
     use crate::factor::order::{Graph, elimination_order};
     use crate::factor::sparse::{Split, product, reordered};
 
-    /// The five-point star on a square grid in the order of elimination, less a shift between its eigenvalues.
+    /// The five-point Laplacian on a square grid in elimination order, minus a shift between its eigenvalues.
     fn grid(side: usize) -> CscMatrix<f64> {
         let n = side * side;
         let neighbours = |i: usize| {

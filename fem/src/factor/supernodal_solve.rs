@@ -1,10 +1,10 @@
 //! Triangular solves with many right-hand sides.
 //!
-//! After the factorisation every supernode's columns are laid out anew, in blocks of at most [`WIDTH`] columns. The
-//! rows of a block, those of its unit triangle first, are cut into panels of [`HEIGHT`] rows. A panel stores its values
-//! column by column. The values of a panel of the triangle in its own columns follow it by rows. A solve then reads the
-//! factor front to back as a stream, and the right-hand sides, [`SIDES`] of them side by side in a row, are gathered
-//! and scattered by whole rows.
+//! After factorisation, the columns of every supernode are rearranged into blocks of at most [`WIDTH`] columns. The
+//! rows of a block, beginning with those of its unit triangle, are split into panels of [`HEIGHT`] rows. The values of
+//! a panel are stored column by column. For a panel of the triangle, the values in its own columns follow, stored by
+//! rows. A solve then reads the factor sequentially, and gathers and scatters complete rows of right-hand sides,
+//! [`SIDES`] at a time.
 
 use std::ops::Range;
 
@@ -20,13 +20,13 @@ use super::subtrees::{Member, Part, PartRows, Subtrees};
 /// Columns of a block.
 const WIDTH: usize = 64;
 
-/// Rows of a panel: with a pair of vectors each they, an operand and a value of L fill sixteen registers.
+/// Rows of a panel: with one pair of vectors each, plus an operand and a value of L, they fill sixteen registers.
 const HEIGHT: usize = 6;
 
-/// Rows below a block of the top that one thread takes at a time.
+/// Number of rows below a block of the top that one thread processes at a time.
 const PIECE: usize = 64 * HEIGHT;
 
-/// Lays the columns of every supernode out in place as described above and returns the diagonal, D of L D L^T.
+/// Rearranges the columns of every supernode in place as described above, and returns the diagonal D of L D L^T.
 pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f64]) -> Vec<f64> {
     let mut diagonal = vec![0.0; symbolic.nrows()];
     let (mut rest, mut rest_diagonal) = (values, diagonal.as_mut_slice());
@@ -38,7 +38,7 @@ pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f
         supernodes.push((own, own_diagonal));
         (rest, rest_diagonal) = (behind, behind_diagonal);
     }
-    // Threads share the supernodes, whose numbers are moved only.
+    // Threads share the supernodes, whose values are only moved.
     let moved = supernodes.into_par_iter().with_min_len(8);
     moved.for_each_init(Vec::new, |columns, (target, diagonal)| {
         let n = diagonal.len();
@@ -75,7 +75,7 @@ pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f
     diagonal
 }
 
-/// Calls a method for a panel of `$height` rows, at most [`HEIGHT`], with their number known to the compiler.
+/// Calls a method for a panel of `$height` <= [`HEIGHT`] rows, with the number of rows known at compile time.
 macro_rules! of_height {
     ($height:expr, $x:expr, $method:ident($($argument:expr),*)) => {
         match $height {
@@ -98,7 +98,7 @@ pub(crate) struct Panels<'a> {
 }
 
 impl<'a> Panels<'a> {
-    /// Overwrites X by (L D L^T)^-1 X; `room` is room to work.
+    /// Overwrites X with (L D L^T)^-1 X; `room` is workspace.
     pub(crate) fn solve(&self, mut x: MatMut<'_, f64>, room: &mut PartRows) {
         for start in (0..x.ncols()).step_by(SIDES) {
             let width = SIDES.min(x.ncols() - start);
@@ -116,7 +116,7 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// The subtrees forward, side by side, and the top both ways, from a block of X.
+    /// Forward sweep of the subtrees in parallel, and both sweeps of the top, for a block of X.
     fn forward(&self, scale: f64, x: MatRef<'_, f64>, room: &mut PartRows) {
         let Subtrees { subtrees, top } = self.subtrees;
         let (mut rows, top_rows) = room.split(self.subtrees);
@@ -137,7 +137,7 @@ impl<'a> Panels<'a> {
         self.top_backward(top_rows);
     }
 
-    /// The subtrees backward, to a block of X.
+    /// Backward sweep of the subtrees, into a block of X.
     fn backward(&self, scale: f64, x: MatMut<'_, f64>, room: &mut PartRows) {
         let Subtrees { subtrees, top } = self.subtrees;
         let (rows, top_rows) = room.split(self.subtrees);
@@ -160,13 +160,13 @@ impl<'a> Panels<'a> {
         rayon::join(of_subtrees, || top.scatter(top_rows, of_top));
     }
 
-    /// X <- scale D^-1 X in the own rows of a part.
+    /// X <- scale D^-1 X for the own rows of a part.
     fn scale(&self, scale: f64, part: &Part, rows: &mut [Row]) {
         let diagonal = part.rows.iter().flat_map(|range| &self.diagonal[range.clone()]);
         rows.iter_mut().zip(diagonal).for_each(|(row, d)| row.scale(scale / d));
     }
 
-    /// The supernodes of the top are large: threads share the panels of each block.
+    /// The supernodes of the top are large, so threads share the panels of each block.
     fn top_forward(&self, x: &mut [Row]) {
         let (arch, mut sums) = (Arch::new(), Rows::default());
         for block in self.top_blocks() {
@@ -226,8 +226,8 @@ impl<'a> Panels<'a> {
     }
 }
 
-/// The forward sweep through a subtree, compiled for the vector instructions found at run time as the other kernels
-/// are.
+/// The forward sweep through a subtree, compiled like the other kernels for the vector instructions detected at run
+/// time.
 struct Forward<'a> {
     panels: &'a Panels<'a>,
     part: &'a Part,
@@ -279,7 +279,7 @@ impl WithSimd for Backward<'_> {
     }
 }
 
-/// [`Block::triangle_forward`].
+/// See [`Block::triangle_forward`].
 struct Triangle<'a> {
     block: &'a Block<'a>,
     x: &'a mut [Row],
@@ -294,7 +294,7 @@ impl WithSimd for Triangle<'_> {
     }
 }
 
-/// [`Block::triangle_backward`].
+/// See [`Block::triangle_backward`].
 struct TriangleBackward<'a> {
     block: &'a Block<'a>,
     x: &'a mut [Row],
@@ -311,7 +311,7 @@ impl WithSimd for TriangleBackward<'_> {
     }
 }
 
-/// The sums of L_tk x_k over a block's columns for some rows t below it, from the `first` on.
+/// Sums of L_tk x_k over a block's columns, for rows t below it starting at `first`.
 struct BelowForward<'a> {
     block: &'a Block<'a>,
     x: &'a [Row],
@@ -333,7 +333,7 @@ impl WithSimd for BelowForward<'_> {
     }
 }
 
-/// The sums of L_tk x_t over the rows t of `range` below a block, for its columns k.
+/// Sums of L_tk x_t over the rows t in `range` below a block, for its columns k.
 struct BelowBackward<'a> {
     block: &'a Block<'a>,
     x: &'a [Row],
@@ -360,14 +360,14 @@ impl WithSimd for BelowBackward<'_> {
     }
 }
 
-/// The rows of X as vectors of the machine, taken in pairs.
+/// The rows of X as machine vectors, processed in pairs.
 struct Lanes<'a, S: Simd> {
     simd: S,
     rows: &'a mut [Row],
 }
 
 impl<S: Simd> Lanes<'_, S> {
-    /// Pairs of vectors in a row.
+    /// Number of pairs of vectors in a row.
     const PAIRS: usize = SIDES / S::F64_LANES / 2;
 
     /// Pair `h` of row `i`.
@@ -393,7 +393,7 @@ impl<S: Simd> Lanes<'_, S> {
         sum[1] = simd.mul_add_e_f64s(l, x[1], sum[1]);
     }
 
-    /// What only reads the rows.
+    /// View for operations that only read the rows.
     #[inline(always)]
     fn products(&self) -> Products<'_, S> {
         Products {
@@ -402,7 +402,7 @@ impl<S: Simd> Lanes<'_, S> {
         }
     }
 
-    /// x_t -= sum over the columns of L_tk x_k for the `H` rows t of a panel, whose columns begin at `start`.
+    /// x_t -= sum over the columns of L_tk x_k for the `H` rows t of a panel whose columns begin at `start`.
     #[inline(always)]
     fn forward<const H: usize>(&mut self, panel: &[f64], start: usize, target: impl Fn(usize) -> usize) {
         let simd = self.simd;
@@ -421,7 +421,7 @@ impl<S: Simd> Lanes<'_, S> {
         }
     }
 
-    /// x_t -= sum of L_tk x_k over the rows of the triangle that begins at `start`, from above.
+    /// x_t -= sum of L_tk x_k over the rows of the triangle that begins at `start`, from top to bottom.
     #[inline(always)]
     fn forward_triangle(&mut self, triangle: &[f64], start: usize, height: usize) {
         for h in 0..Self::PAIRS {
@@ -436,7 +436,7 @@ impl<S: Simd> Lanes<'_, S> {
         }
     }
 
-    /// x_k -= sum of L_tk x_t over the rows of the triangle that begins at `start`, from below.
+    /// x_k -= sum of L_tk x_t over the rows of the triangle that begins at `start`, from bottom to top.
     #[inline(always)]
     fn backward_triangle(&mut self, triangle: &[f64], start: usize, height: usize) {
         for h in 0..Self::PAIRS {
@@ -452,7 +452,7 @@ impl<S: Simd> Lanes<'_, S> {
     }
 }
 
-/// Sums of products with rows of X, which stay as they are.
+/// Sums of products with rows of X, which are not changed.
 #[derive(Clone, Copy)]
 struct Products<'a, S: Simd> {
     simd: S,
@@ -512,7 +512,7 @@ struct Block<'a> {
     columns: usize,
     /// Strict lower triangle, in panels.
     triangle: &'a [f64],
-    /// Panels of the rows below, first those of the supernode's own later columns, then those of its pattern.
+    /// Panels of the rows below: first those of the supernode's own later columns, then those of its pattern.
     panels: &'a [f64],
     own: usize,
     pattern: &'a [u32],
@@ -551,7 +551,7 @@ impl<'a> Supernode<'a> {
 }
 
 impl Block<'_> {
-    /// The row of X that belongs to row `i` below the triangle.
+    /// The row of X for row `i` below the triangle.
     #[inline(always)]
     fn target(&self, i: usize) -> usize {
         if i < self.own {
@@ -568,7 +568,7 @@ impl Block<'_> {
         panels.enumerate().map(|(p, panel)| (HEIGHT * p, panel))
     }
 
-    /// The rows `top..top + height` of the triangle: their panel and their own triangle.
+    /// The rows `top..top + height` of the triangle: their panel and their own small triangle.
     #[inline(always)]
     fn own_panel(&self, top: usize, height: usize) -> (&[f64], &[f64]) {
         let start = top * top.saturating_sub(1) / 2;
@@ -600,8 +600,8 @@ impl Block<'_> {
         }
     }
 
-    /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row up; `sums` is room to
-    /// work.
+    /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row upwards; `sums` is
+    /// workspace.
     #[inline(always)]
     fn backward<S: Simd>(&self, x: &mut Lanes<'_, S>, sums: &mut [Row; WIDTH]) {
         let sums = &mut sums[..self.columns];
@@ -616,7 +616,7 @@ impl Block<'_> {
         self.triangle_backward(x, sums);
     }
 
-    /// x_k -= the sum of its column and those within the triangle, from its last row up.
+    /// x_k -= its column's sum and the terms within the triangle, from its last row upwards.
     #[inline(always)]
     fn triangle_backward<S: Simd>(&self, x: &mut Lanes<'_, S>, sums: &mut [Row]) {
         for top in (0..self.columns).step_by(HEIGHT).rev() {

@@ -1,4 +1,4 @@
-//! The fixed degrees of freedom.
+//! Fixed degrees of freedom.
 
 use std::collections::BTreeSet;
 
@@ -6,22 +6,22 @@ use nailnoise_meshes::Mesh;
 
 use crate::FemError;
 
-/// Displacement components fixed at zero; they are eliminated, never penalised.
+/// Displacement components fixed at zero; they are eliminated, not penalised.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Constraints {
     held: BTreeSet<(usize, usize)>,
 }
 
 impl Constraints {
-    /// A free body.
+    /// No constraints: a free body.
     pub fn free() -> Self {
         Self::default()
     }
 
-    /// All three displacements fixed at the nodes of a face group.
+    /// Fixes all three displacements at the nodes of a face group.
     ///
     /// # Errors
-    /// [`FemError::Mesh`] when there is no such group.
+    /// [`FemError::Mesh`] if there is no such group.
     pub fn clamped(mesh: &Mesh, group: &str) -> Result<Self, FemError> {
         let mut constraints = Self::free();
         for node in mesh.group_nodes(group)? {
@@ -42,7 +42,7 @@ impl Constraints {
         self.held.contains(&(node, axis))
     }
 
-    /// The fixed components, ascending.
+    /// The fixed components, in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.held.iter().copied()
     }

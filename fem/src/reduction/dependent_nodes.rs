@@ -1,8 +1,8 @@
 //! Dependent nodes: how attachments eliminate displacements and add mass and stiffness.
 //!
-//! Every node's displacement is u_a = sum of W_ap u_p over independent nodes p, so with T the matrix of all W the
-//! reduced matrices are T^T K T and T^T M T, formed element by element. A rigidly attached mass adds two nodes: the
-//! translation u_0 of its centre and l times its rotation theta, with u_a = u_0 + theta x r_a.
+//! Every node's displacement is u_a = sum of W_ap u_p over independent nodes p. With T the matrix of all W, the reduced
+//! matrices are T^T K T and T^T M T, formed element by element. A rigidly attached mass adds two nodes: the translation
+//! u_0 of its centre, and its rotation theta times a length l, with u_a = u_0 + theta x r_a.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -13,41 +13,41 @@ use rayon::prelude::*;
 
 use crate::{Attachments, Constraints, Coupling, FemError, LumpedMass, Place};
 
-/// One term of a node's expansion: the independent node and W.
+/// One term of a node's expansion: the independent node and its W.
 pub(crate) type Term = (usize, Matrix3<f64>);
 
-/// Most rounds of substitution for a chain of dependences.
+/// Largest number of substitution rounds for a chain of dependencies.
 const LONGEST_CHAIN: usize = 8;
 
-/// Smallest ratio of the second moments of area of a group that counts as an area and not a line.
+/// Smallest ratio of a group's second moments of area for which it counts as an area rather than a line.
 const FLAT: f64 = 1e-9;
 
-/// Matrices that attachments add between groups of nodes.
+/// Matrices that attachments add between nodes.
 #[derive(Default)]
 pub(crate) struct Added {
-    /// The independent nodes they join.
+    /// The independent nodes that they couple.
     pub(crate) nodes: Vec<usize>,
-    /// Entries (row, column, K, M) of local nodes, both triangles.
+    /// Entries (row, column, K, M) between local nodes, in both triangles.
     pub(crate) blocks: Vec<(usize, usize, Matrix3<f64>, Matrix3<f64>)>,
 }
 
-/// The dependences of a model's nodes and what its attachments add.
+/// The dependencies of a model's nodes, and the matrices that its attachments add.
 #[derive(Default)]
 pub(crate) struct Reduction {
-    /// Nodes of the mesh and, behind them, those of rigid bodies.
+    /// Number of nodes: those of the mesh, followed by those of rigid bodies.
     pub(crate) nodes: usize,
     expansions: BTreeMap<usize, Vec<Term>>,
     pub(crate) added: Vec<Added>,
-    /// Nodes that are rotations; their mass couples all axes of all their neighbours.
+    /// Nodes that represent rotations; their mass couples all axes of all their neighbours.
     pub(crate) rotations: Vec<usize>,
 }
 
 impl Attachments {
-    /// Each dependent node of a mesh with the nodes that it follows. Nothing is assembled, so attachments can be
-    /// checked before a body is solved. Each slave node must reach its master, and none may be both fixed and tied.
+    /// Each dependent node of a mesh with the nodes that it depends on. Nothing is assembled, so attachments can be
+    /// checked before a body is solved. Each slave node must reach its master, and no node may be both fixed and tied.
     ///
     /// # Errors
-    /// As [`crate::assemble_with`], as far as attachments are concerned.
+    /// Those errors of [`crate::assemble_with`] that concern attachments.
     pub fn followers(&self, mesh: &Mesh, constraints: &Constraints) -> Result<Vec<(usize, Vec<usize>)>, FemError> {
         let reduction = Reduction::new(mesh, self, constraints)?;
         let of_mesh = |&node: &usize| node < mesh.nodes.len();
@@ -119,7 +119,7 @@ impl Reduction {
         Ok(reduction)
     }
 
-    /// The independent nodes that carry a node, or none when it is independent itself.
+    /// The expansion of a dependent node, or none if the node is independent.
     pub(crate) fn expansion(&self, node: usize) -> Option<&[Term]> {
         self.expansions.get(&node).map(Vec::as_slice)
     }
@@ -143,7 +143,8 @@ impl Reduction {
         let (translation, rotation) = (self.nodes, self.nodes + 1);
         self.nodes += 2;
         self.rotations.push(rotation);
-        // The rotation times a length of the group is a displacement, so that the matrices are evenly scaled.
+        // The rotation times a characteristic length of the group is a displacement, so that the matrices are uniformly
+        // scaled.
         let length = (patch.moment.trace() / 2.0 / patch.area).sqrt();
         for node in mesh.group_nodes(&mass.group)? {
             let r = mesh.nodes[node] - mass.centre;
@@ -164,7 +165,7 @@ impl Reduction {
         Ok(())
     }
 
-    /// Substitutes until every expansion names independent nodes only.
+    /// Substitutes expansions until all refer to independent nodes only.
     fn resolve(&mut self) -> Result<(), FemError> {
         for _ in 0..LONGEST_CHAIN {
             let mut changed = None;
@@ -207,7 +208,7 @@ impl Reduction {
         (result, any)
     }
 
-    /// Carries what attachments add from dependent nodes to those that carry them.
+    /// Transfers the matrices of attachments from dependent nodes to the independent ones.
     fn expand_added(&mut self) {
         let added = std::mem::take(&mut self.added);
         self.added = added.into_iter().map(|a| self.expand_one(a)).collect();
@@ -325,7 +326,7 @@ fn check(mass: &LumpedMass) -> Result<(), FemError> {
             value: mass.mass,
         });
     }
-    // Each moment of inertia of a body is at most the sum of the two others.
+    // Each principal moment of inertia of a body is at most the sum of the other two.
     let j = mass.inertia.symmetric_eigenvalues();
     let excess = 2.0 * j.max() - j.sum();
     let asymmetry = (mass.inertia - mass.inertia.transpose()).amax();
@@ -339,8 +340,8 @@ fn check(mass: &LumpedMass) -> Result<(), FemError> {
     Ok(())
 }
 
-/// The mass moves with the group's mean: u = 1/A integral of u dA, theta = J^-1 integral of r x u dA with J the second
-/// moments of area, u_c = u + theta x d. A rigid motion is its own mean.
+/// The mass moves with the mean of the group: u = 1/A integral of u dA, theta = J^-1 integral of r x u dA with J the
+/// second moments of area, u_c = u + theta x d. A rigid motion equals its own mean.
 fn distributed(mesh: &Mesh, mass: &LumpedMass, patch: &Patch) -> Added {
     let inverse = patch.moment.try_inverse().unwrap_or_else(Matrix3::zeros);
     let d = mass.centre - patch.centroid;

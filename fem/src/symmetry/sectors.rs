@@ -1,16 +1,16 @@
-//! Mirror symmetry: the eigenproblem falls into one for each combination of even and odd.
+//! Mirror symmetry: the eigenproblem separates into one for each combination of even and odd.
 //!
-//! A mirror plane maps the unknowns onto each other, q -> S q, with S a permutation with signs. If S^T K S = K and S^T
-//! M S = M for k planes, every mode can be chosen even or odd in each of them. T_c is the orthonormal basis of the
-//! vectors of one combination c.
+//! A mirror plane maps the unknowns onto each other, q -> S q, where S is a signed permutation. If S^T K S = K and S^T
+//! M S = M for k planes, every mode can be chosen even or odd in each plane. Let T_c be the orthonormal basis of the
+//! vectors of one combination c:
 //!
 //! ```text
 //! K_c = T_c^T K T_c,   M_c = T_c^T M T_c,   phi = T_c phi_c,   c = 1 .. 2^k
 //! ```
 //!
-//! These are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix,
-//! so that inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide
-//! by symmetry fall into different sectors.
+//! These are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c form a square orthogonal
+//! matrix, so inertia and orthogonality are preserved: no mode is lost or found twice, and modes whose frequencies
+//! coincide by symmetry fall into different sectors.
 
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -27,29 +27,29 @@ use crate::factor::{Factor, Symbolic};
 use crate::random::Random;
 use crate::{FemError, System};
 
-/// Largest asymmetry of a row of K or M relative to its diagonal. It bounds the relative error of lambda; the residuals
-/// of the modes on the full matrices are checked afterwards all the same.
+/// Largest asymmetry of a row of K or M relative to its diagonal. It bounds the relative error of lambda; in addition,
+/// the residuals of the modes are checked on the full matrices afterwards.
 const ASYMMETRY: f64 = 1e-11;
 
-/// One of the independent problems K_c, M_c, with its own order of elimination.
+/// One of the independent problems K_c, M_c, with its own elimination order.
 pub(crate) struct Sector<'a> {
-    /// None where the sector is the whole: K is then that of the body, or as large in another order.
+    /// None if the sector is the complete body, whose K is used directly or in a different order.
     stiffness: Option<CscMatrix<f64>>,
-    /// Stiffness matrix of the whole body in the order of its analysis; taken by the first factorisation.
+    /// Stiffness matrix of the complete body in the order of its analysis; taken by the first factorisation.
     whole: Mutex<Option<CscMatrix<f64>>>,
     pub(crate) mass: Cow<'a, CscMatrix<f64>>,
-    /// For each unknown of the whole its row of T_c, which has one entry at most: column and value. None where T_c is
-    /// the identity.
+    /// For each unknown of the body, the column and value of the only nonzero entry in its row of T_c, if any. None if
+    /// T_c is the identity.
     rows: Option<Vec<Option<(usize, f64)>>>,
 }
 
 impl Sector<'_> {
-    /// Whether it is the body, in its own order or another.
+    /// Whether the sector is the complete body, in its own order or another.
     pub(crate) fn is_whole(&self) -> bool {
         self.stiffness.is_none()
     }
 
-    /// Whether it is the body in another order.
+    /// Whether the sector is the complete body in another order.
     pub(crate) fn reorders(&self) -> bool {
         self.is_whole() && self.rows.is_some()
     }
@@ -90,7 +90,7 @@ impl Sector<'_> {
         Ok(a)
     }
 
-    /// The matrices for residuals: those of the sector, or of the body if the sector is the body.
+    /// The matrices used for residuals: those of the sector, or of the body if the sector is the body.
     pub(crate) fn pencil<'a>(&'a self, system: &'a System) -> Pencil<'a> {
         match &self.stiffness {
             Some(stiffness) => Pencil {
@@ -104,7 +104,7 @@ impl Sector<'_> {
         }
     }
 
-    /// Overwrites x, in the order of [`Self::pencil`], by (K - sigma M)^-1 x.
+    /// Overwrites x, in the order of [`Self::pencil`], with (K - sigma M)^-1 x.
     pub(crate) fn solve(&self, factor: &Factor<'_>, x: &mut Mat<f64>) {
         if self.reorders() {
             let mut part = self.restrict(x.as_ref());
@@ -152,12 +152,12 @@ impl Sector<'_> {
     }
 }
 
-/// The independent problems that the mirror planes of K and M leave; only the whole if there are none.
+/// The independent problems that result from the mirror planes of K and M; a single one without symmetry.
 pub(crate) fn sectors(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
     divided(system, &respected(system))
 }
 
-/// The whole, in an order of elimination.
+/// The complete body as a single sector, in an elimination order.
 pub(crate) fn whole(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
     divided(system, &[])
 }
@@ -192,12 +192,12 @@ fn divided<'a>(system: &'a System, mirrors: &[&Mirror]) -> Result<Vec<Sector<'a>
     let nodes = nodes?;
     let parities = (0..1 << mirrors.len()).into_par_iter();
     let sectors = parities.map(|parities| orbits.sector(mirrors, parities, &nodes, &columns));
-    // A small body may have no vector of some combination.
+    // A small body may have no vectors of some combination.
     let sectors = sectors.filter(|s| s.as_ref().map_or(true, |s| s.len() > 0));
     sectors.collect()
 }
 
-/// Mirrors S that leave K and M unchanged: A S x = S A x for a random x.
+/// The mirrors S that leave K and M unchanged, tested by A S x = S A x for a random x.
 fn respected(system: &System) -> Vec<&Mirror> {
     let mirrors = system.equations.mirrors();
     let mut random = Random::new(2);
@@ -216,7 +216,7 @@ fn respected(system: &System) -> Vec<&Mirror> {
         let first: Vec<f64> = y.col(0).iter().copied().collect();
         for (k, mirror) in mirrors.iter().enumerate() {
             let expected = mirror.apply(&first);
-            // The diagonal opens each column of the lower triangle.
+            // The diagonal entry comes first in each column of the lower triangle.
             kept[k] &= (0..x.len()).all(|i| {
                 let diagonal = a.values()[a.col_offsets()[i]].abs();
                 (y[(i, k + 1)] - expected[i]).abs() <= ASYMMETRY * diagonal
@@ -227,7 +227,7 @@ fn respected(system: &System) -> Vec<&Mirror> {
     planes.collect()
 }
 
-/// Unknowns that the mirrors map onto each other.
+/// Sets of unknowns that the mirrors map onto each other.
 struct Orbits {
     /// The first unknown of the orbit of each unknown, which represents it.
     first: Vec<usize>,
@@ -243,10 +243,10 @@ impl Orbits {
         self.first[e] == e
     }
 
-    /// The representatives, node by node in an order of elimination of the graph whose nodes are the orbits.
+    /// The representatives, node by node in an elimination order of the graph whose nodes are the orbits.
     fn in_order_of_elimination(&self, system: &System) -> Result<Vec<Vec<usize>>, FemError> {
         let node = |e: usize| system.equations.node(e);
-        // Orbits of nodes, numbered as their first unknowns come.
+        // Orbits of nodes, numbered in the order of their first unknowns.
         let mut number = vec![None; system.equations.nodes()];
         let mut members: Vec<Vec<usize>> = Vec::new();
         for e in (0..self.first.len()).filter(|&e| self.represents(e)) {
@@ -258,7 +258,7 @@ impl Orbits {
         }
         let orbit = |e: usize| number[node(self.first[e])];
         let mut edges: Vec<Vec<usize>> = vec![Vec::new(); members.len()];
-        // One unknown of a node represents the others: elements couple all of them.
+        // One unknown of a node represents the others, because elements couple all of them.
         let leads = |e: usize| e == 0 || node(e) != node(e - 1);
         for j in (0..self.first.len()).filter(|&j| leads(j)) {
             for &i in system.stiffness.col(j).row_indices() {
@@ -293,7 +293,8 @@ impl Orbits {
         let mut rows = vec![None; self.first.len()];
         let mut unknowns = Vec::new();
         for &e in nodes.iter().flatten() {
-            // The sum over all images with the sign of the combination; on a plane those of the wrong parity cancel.
+            // The sum over all images with the sign of the combination; for unknowns on a plane, vectors of the wrong
+            // parity cancel.
             let parity = |planes: usize| 1.0 - 2.0 * f64::from((planes & parities).count_ones() % 2);
             let own: f64 = images(mirrors, e)
                 .filter(|&(i, _, _)| i == e)
@@ -302,7 +303,7 @@ impl Orbits {
             if own == 0.0 {
                 continue;
             }
-            // Each place is met as often as e itself.
+            // Each position occurs as often as e itself.
             let weight = (own / (1 << mirrors.len()) as f64).sqrt();
             for (i, sign, planes) in images(mirrors, e) {
                 rows[i] = Some((unknowns.len(), weight * sign * parity(planes)));
@@ -319,7 +320,7 @@ impl Orbits {
     }
 }
 
-/// Where the products of mirrors take unknown e: its image, the sign, and the planes crossed as bits.
+/// The images of unknown e under products of mirrors: unknown, sign, and the planes crossed as bits.
 fn images<'a>(mirrors: &'a [&Mirror], e: usize) -> impl Iterator<Item = (usize, f64, usize)> + 'a {
     (0..1 << mirrors.len()).map(move |planes: usize| {
         let crossed = mirrors.iter().enumerate().filter(|(k, _)| planes >> k & 1 == 1);
@@ -328,9 +329,9 @@ fn images<'a>(mirrors: &'a [&Mirror], e: usize) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// The columns that represent orbits, both triangles of them.
+/// The columns that represent orbits, with both triangles.
 struct Columns {
-    /// Place of each unknown's column, empty unless it represents its orbit.
+    /// Start of each unknown's column, which is empty unless the unknown represents its orbit.
     offsets: Vec<usize>,
     entries: Vec<(usize, f64)>,
 }
@@ -364,8 +365,8 @@ impl Columns {
         Self { offsets, entries }
     }
 
-    /// The lower triangle of T^T A T. Every member of an orbit contributes what its representative r does, so that
-    /// column a is sum_i t_i A_ir / t_r with t_r the weight of r, whose square is the inverse of the orbit's length.
+    /// The lower triangle of T^T A T. Every member of an orbit contributes the same as its representative r, so column
+    /// a is sum_i t_i A_ir / t_r, where t_r is the weight of r, whose square is the inverse of the orbit's length.
     fn reduced(&self, unknowns: &[usize], rows: &[Option<(usize, f64)>]) -> Result<CscMatrix<f64>, FemError> {
         let n = unknowns.len();
         let (mut offsets, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Motion that a linear correction adds to that of the march.
+//! Motion that a linear correction adds to the result of the time integration.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -10,15 +10,15 @@ use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::model::Motion;
 
-/// Motion beyond that of the march, given by lines at the complex frequencies s_k = sigma + j 2 pi k/(N h). The motion
-/// is
+/// Motion beyond that of the time integration, given by spectral lines at the complex frequencies s_k = sigma + j 2 pi
+/// k/(N h). The motion is
 ///
 ///   d_n = e^{sigma t_n}/N sum_k D_k e^{j omega_k t_n},    d' and d'': D_k times s_k and s_k^2,
 ///
-/// over both signs of the frequency. N is the length of the transform in samples and h the step.
+/// summed over both signs of the frequency. N is the length of the transform in samples, and h the step.
 #[derive(Clone)]
 pub struct AddedMotion {
-    /// Lines k = 0, 1, ... of each body, modes x lines.
+    /// Lines k = 0, 1, ... of each body (modes x lines).
     lines: Vec<DMatrix<Complex<f64>>>,
     step: f64,
     length: usize,
@@ -27,8 +27,8 @@ pub struct AddedMotion {
 }
 
 impl AddedMotion {
-    /// From the lines of each body (modes x lines, below half the length), the step \[s\], the length of the transform
-    /// \[samples\] and sigma \[1/s\].
+    /// Creates the motion from the lines of each body (modes x lines, below half the length), the step \[s\], the
+    /// length of the transform \[samples\] and sigma \[1/s\].
     pub fn new(lines: Vec<DMatrix<Complex<f64>>>, step: f64, length: usize, sigma: f64) -> Self {
         Self {
             lines,
@@ -44,20 +44,20 @@ impl AddedMotion {
         self.lines.get(body).map_or(0, DMatrix::nrows)
     }
 
-    /// The motion of some modes of a body at the first `samples` samples, samples x modes.
+    /// The motion of some modes of a body for the first `samples` samples, samples x modes.
     pub fn records(&self, body: usize, modes: Range<usize>, samples: usize, motion: Motion) -> DMatrix<f64> {
         let chosen = self.lines[body].rows(modes.start, modes.len()).into_owned();
         self.records_of(&chosen, samples, motion)
     }
 
-    /// The motion of points of a body, for mode shapes at the points (modes x points): samples x points.
+    /// The motion of points of a body, given the mode shapes at the points (modes x points): samples x points.
     pub fn of_points(&self, body: usize, shapes: &DMatrix<f64>, samples: usize, motion: Motion) -> DMatrix<f64> {
         let lines = &self.lines[body];
         let [re, im] = [lines.map(|x| x.re), lines.map(|x| x.im)].map(|part| shapes.transpose() * part);
         self.records_of(&re.zip_map(&im, Complex::new), samples, motion)
     }
 
-    /// The motion of any lines, a row each, at the first `samples` samples, samples x rows.
+    /// The motion of arbitrary lines, one row each, for the first `samples` samples: samples x rows.
     fn records_of(&self, lines: &DMatrix<Complex<f64>>, samples: usize, motion: Motion) -> DMatrix<f64> {
         let mut records = DMatrix::zeros(samples, lines.nrows());
         let mut spectrum = self.inverse.make_input_vec();
@@ -80,12 +80,12 @@ impl AddedMotion {
         records
     }
 
-    /// The motion of all modes of a body at a sample.
+    /// The motion of all modes of a body at one sample.
     pub(super) fn at(&self, body: usize, sample: usize, motion: Motion) -> Vec<f64> {
         let lines = &self.lines[body];
         let mut sum = vec![Complex::<f64>::default(); lines.nrows()];
         for (k, column) in lines.column_iter().enumerate() {
-            // The phase of a whole number of turns is left out, so that it stays exact.
+            // Whole turns are removed from the phase, so that it remains exact.
             let turns = (k * sample % self.length) as f64 / self.length as f64;
             let both_signs = if k == 0 { 1.0 } else { 2.0 };
             let factor = Complex::from_polar(both_signs, TAU * turns) * self.factor(k, motion);
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use crate::vibration::{Loads, ModalBody, ModalResponse, Settings, Start, respond};
 
-    /// A body of two modes that swing freely, and the same with lines at the third and fifth frequency added.
+    /// A body with two freely oscillating modes, and the same with lines added at the third and fifth frequency.
     fn responses() -> (ModalResponse, ModalResponse) {
         let body = ModalBody {
             name: "body".into(),

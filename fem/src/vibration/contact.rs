@@ -10,15 +10,16 @@ use super::response::Work;
 ///   d = d_free - C_d f,  d' = v_free - C_v f,  C_d = P^T diag(c1) P,  C_v = P^T diag(c2) P,
 ///   f_i = max(0, k_i d_i + c_i d_i')  where d_free,i > 0, else 0  (bonded: always, without the maximum).
 ///
-/// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v this is a linear complementarity problem. On the
-/// points with d_free > 0 it reads f >= 0, S f >= r, f^T (S f - r) = 0. The condition d_free > 0 instead of d > 0 makes
-/// it solvable. At first touch the dashpot's force may be finite while d is still of order h; then neither state of a
-/// law gated by d itself is consistent. The difference in d is C_d f = O(h^2).
+/// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v, this is a linear complementarity problem. At the
+/// points with d_free > 0 it reads f >= 0, S f >= r, f^T (S f - r) = 0. The condition is d_free > 0 instead of d > 0 to
+/// make it solvable. At first contact the dashpot's force may be finite while d is still of order h, and then a law
+/// gated by d itself has no consistent state. The difference in d is C_d f = O(h^2).
 ///
-/// The touching set A is found by block principal pivoting (all violating points change at once: the semismooth Newton
-/// method) with single pivots as a fallback, which ends for every P-matrix (Judice & Pires, 1994, Computers Ops. Res.
-/// 21). T, the principal pivot transform of S on A, consists of inv(S_AA) and S_(not A) A inv(S_AA). It lives on from
-/// step to step: a point that changes costs one rank-one update instead of a factorisation.
+/// The active set A of touching points is found by block principal pivoting (all violating points change at once: the
+/// semismooth Newton method) with single pivots as a fallback, which terminates for every P-matrix (Judice & Pires,
+/// 1994, Computers Ops. Res. 21). T, the principal pivot transform of S on A, consists of inv(S_AA) and S_(not A) A
+/// inv(S_AA). It is retained between steps, so a point that changes costs one rank-one update instead of a
+/// factorisation.
 #[derive(Debug)]
 pub(super) struct ContactSolver {
     arch: Arch,
@@ -44,18 +45,18 @@ pub(super) struct ContactSolver {
     pub(super) penetration: Vec<f64>,
     /// Rates of penetration with these forces.
     pub(super) rate: Vec<f64>,
-    /// Largest |f - (k d + c d')| over touching points so far, relative to the largest force of its step.
+    /// Largest |f - (k d + c d')| over touching points so far, relative to the largest force of the same step.
     pub(super) law_error: f64,
 }
 
-/// Rank-one updates after which the pivoted matrix is rebuilt, long before rounding can build up.
+/// Number of rank-one updates after which the pivoted matrix is rebuilt, long before rounding accumulates.
 const PIVOTS_PER_REBUILD: usize = 4096;
 
-/// Agreement with the law above which the pivoted matrix is rebuilt at once.
+/// Violation of the contact law above which the pivoted matrix is rebuilt at once.
 const LAW_TOLERANCE: f64 = 1e-11;
 
 impl ContactSolver {
-    /// `compliance` stores C_d above C_v: each column of 2 `lanes(n)` lanes.
+    /// `compliance` stores C_d above C_v; each column has 2 `lanes(n)` lanes.
     pub(super) fn new(arch: Arch, supports: &[Support], compliance: Columns, max_iterations: usize) -> Self {
         let n = supports.len();
         let height = lanes(n);
@@ -92,12 +93,12 @@ impl ContactSolver {
         }
     }
 
-    /// Points that carry force.
+    /// Points that transmit force.
     pub(super) fn touching(&self) -> &[usize] {
         &self.touching
     }
 
-    /// Takes penetrations and rates of a given state and the forces that the law gives there.
+    /// Sets penetrations and rates of a given state, and the forces that the law gives there.
     pub(super) fn start(&mut self, penetration: &[f64], rate: &[f64]) {
         self.penetration.copy_from_slice(penetration);
         self.rate.copy_from_slice(rate);
@@ -108,7 +109,7 @@ impl ContactSolver {
         }
     }
 
-    /// Solves for the forces at the end of a step that ends at `time`.
+    /// Solves for the forces at the end of a step, at `time`.
     pub(super) fn solve(
         &mut self,
         free: &[f64],
@@ -125,7 +126,7 @@ impl ContactSolver {
             if gate {
                 scale = scale.max(self.right[i].abs());
             }
-            // A point that has left the other surface cannot carry force, and a glued one always does.
+            // An open point cannot transmit force; a bonded point always does.
             if self.active[i] != gate && (self.active[i] || self.bonded[i]) {
                 self.toggles.push(i);
             }
@@ -145,7 +146,7 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Pivots until every point agrees with the law.
+    /// Pivots until every point satisfies the law.
     fn search(&mut self, free: &[f64], scale: f64, time: f64, work: &mut Work) -> Result<(), TransientError> {
         const BLOCK_TRIALS: usize = 10;
         let tolerance = 1e-14 * scale;
@@ -191,7 +192,7 @@ impl ContactSolver {
             } else if trials > 0 {
                 trials -= 1;
             } else {
-                // Murty's rule: only the last violating index; it cannot cycle.
+                // Murty's rule: change only the last violating index; this cannot cycle.
                 let last = self.toggles[self.toggles.len() - 1];
                 self.toggles.clear();
                 self.toggles.push(last);
@@ -201,7 +202,7 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Forces, penetrations and rates from the trial; returns the disagreement with the law.
+    /// Computes forces, penetrations and rates from the trial; returns the violation of the law.
     fn apply(&mut self, free: &[f64], free_rate: &[f64]) -> f64 {
         self.force.fill(0.0);
         self.penetration.copy_from_slice(free);
@@ -265,7 +266,7 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// C_d and C_v as Gram matrices of random modes, strong enough to couple the points well beyond a real step.
+    /// C_d and C_v as Gram matrices of random modes, which couple the points more strongly than a real step.
     fn compliance(n: usize, random: &mut Random) -> Columns {
         let mut joined = Columns::zeros(2 * lanes(n), n);
         for half in 0..2 {

@@ -1,4 +1,4 @@
-//! The march in lock step with what drives it: forces that depend on the motion they cause.
+//! Time integration coupled to its loads, which depend on the motion that they cause.
 
 use nalgebra::DMatrix;
 
@@ -9,17 +9,17 @@ use super::response::{Ending, ModalResponse};
 use super::system::{add_gram, effective_zeta, validate};
 use super::time_integration::{Run, Watch};
 
-/// A run whose loads are not known beforehand.
+/// A run whose loads are not known in advance.
 ///
-/// At the end of a step the motion u along the loads depends on their values F there and on the support forces f. The
+/// At the end of a step, the motion u along the loads depends on the load values F and support forces f there. The
 /// relations are
 ///
 ///   u = u_free + C_LL F - C_LS f,    d = d_free + C_SL F - C_SS f,    C = P^T diag(c1) P   (rates: c2).
 ///
-/// A [`trial`](Self::trial) thus costs a contact solution and a few small products, whatever the number of modes. The
-/// driver tries loads until they agree with the motion and [`accept`](Self::accept)s them; the step is then the same as
-/// one of [`respond`](super::respond) with these loads. After the last step [`finish`](Self::finish) lets the loads go
-/// to their final values and runs on to the end.
+/// A [`trial`](Self::trial) thus costs one contact solution and a few small products, whatever the number of modes. The
+/// driver tries loads until they are consistent with the motion, and then [`accept`](Self::accept)s them; the step is
+/// then the same as one of [`respond`](super::respond) with these loads. After the last step, [`finish`](Self::finish)
+/// moves the loads to their final values and continues to the end.
 ///
 /// ```
 /// use nailnoise_fem::vibration::{Driven, ModalBody, Motion, Settings, Support, SupportLaw};
@@ -52,10 +52,10 @@ pub struct Driven<'a> {
     run: Run<'a>,
     watch: Watch,
     final_values: Vec<f64>,
-    /// Present sample.
+    /// Current sample.
     sample: usize,
     ending: Option<Ending>,
-    /// Supports, then loads: C for displacements and for rates.
+    /// Compliance C of supports, then loads: for displacements and for rates.
     compliance: [DMatrix<f64>; 2],
     /// Penetrations and motion along the loads at the end of the step without forces there, and their rates.
     free: [Vec<f64>; 4],
@@ -65,10 +65,10 @@ pub struct Driven<'a> {
 }
 
 impl<'a> Driven<'a> {
-    /// At rest under the initial loads of an independent run.
+    /// Starts at rest under the initial loads.
     ///
     /// # Errors
-    /// As [`respond`](super::respond).
+    /// Same as [`respond`](super::respond).
     pub fn new(
         bodies: &'a [ModalBody],
         supports: &'a [Support],
@@ -102,23 +102,23 @@ impl<'a> Driven<'a> {
         Ok(driven)
     }
 
-    /// Displacement along each load \[m\], of the present sample or of the latest trial.
+    /// Displacement along each load \[m\], at the current sample or of the latest trial.
     pub fn motion(&self) -> &[f64] {
         &self.motion
     }
 
-    /// Velocity along each load \[m/s\], of the present sample or of the latest trial.
+    /// Velocity along each load \[m/s\], at the current sample or of the latest trial.
     pub fn rate(&self) -> &[f64] {
         &self.rate
     }
 
-    /// Force of each support \[N\], of the present sample or of the latest trial.
+    /// Force of each support \[N\], at the current sample or of the latest trial.
     pub fn support_forces(&self) -> &[f64] {
         &self.run.contact.force
     }
 
-    /// Displacement \[m/N\] or, if `rate`, velocity \[m/(N s)\] along load `row` by load `column` at the end
-    /// of a step, the supports left out.
+    /// Displacement \[m/N\] or, if `rate`, velocity \[m/(N s)\] along load `row` due to load `column` at the end of a
+    /// step, without supports.
     pub fn compliance(&self, rate: bool, row: usize, column: usize) -> f64 {
         let supports = self.scratch[0].len();
         self.compliance[usize::from(rate)][(supports + row, supports + column)]
@@ -129,7 +129,7 @@ impl<'a> Driven<'a> {
         self.sample + 1 >= self.run.applied.ncols()
     }
 
-    /// Motion without forces at the end of the coming step.
+    /// Motion at the end of the next step without forces there.
     fn begin_step(&mut self) {
         if self.is_over() {
             return;
@@ -146,10 +146,10 @@ impl<'a> Driven<'a> {
         self.free[3] = rate;
     }
 
-    /// Motion along the loads if these are their values at the end of the coming step.
+    /// Computes the motion along the loads for these load values at the end of the next step.
     ///
     /// # Errors
-    /// [`TransientError`]: the contact is not found, or is not finite.
+    /// [`TransientError`] if the contact problem has no solution or the result is not finite.
     pub fn trial(&mut self, loads: &[f64]) -> Result<(), TransientError> {
         let n = self.scratch[0].len();
         for half in 0..2 {
@@ -175,10 +175,11 @@ impl<'a> Driven<'a> {
         Ok(())
     }
 
-    /// Ends the step with these loads.
+    /// Completes the step with these loads.
     ///
     /// # Errors
-    /// [`TransientError`]: the contact is not found, the response is not finite, or the longest duration is over.
+    /// [`TransientError`] if the contact problem has no solution, the response is not finite, or the longest duration
+    /// has passed.
     pub fn accept(&mut self, loads: &[f64]) -> Result<(), TransientError> {
         if self.is_over() {
             return Err(TransientError::Value {
@@ -192,7 +193,7 @@ impl<'a> Driven<'a> {
         self.run.predict(next);
         self.run.advance(next)?;
         self.sample = next;
-        // No run ends while it is driven, but where its time is over.
+        // A driven run ends only when its time is over.
         self.ending = self.watch.see(&mut self.run, next, f64::INFINITY)?;
         self.motion.copy_from_slice(&self.run.load_motion);
         self.rate.copy_from_slice(&self.run.load_rate);
@@ -200,10 +201,10 @@ impl<'a> Driven<'a> {
         Ok(())
     }
 
-    /// Lets the loads go to their final values and runs on to the end.
+    /// Moves the loads to their final values and continues to the end.
     ///
     /// # Errors
-    /// As [`respond`](super::respond).
+    /// Same as [`respond`](super::respond).
     pub fn finish(self) -> Result<ModalResponse, TransientError> {
         let Self {
             mut run,
@@ -228,7 +229,7 @@ impl<'a> Driven<'a> {
     }
 }
 
-/// P^T diag(c1) P and P^T diag(c2) P of all bodies, P the supports and then the loads.
+/// P^T diag(c1) P and P^T diag(c2) P over all bodies, where P contains the supports and then the loads.
 fn joint_compliance(bodies: &[ModalBody], supports: usize, step: f64) -> [DMatrix<f64>; 2] {
     let loads = bodies.first().map_or(0, |body| body.loads.ncols());
     let size = supports + loads;

@@ -21,7 +21,7 @@ pub struct EnergyHistory {
     pub dissipated: Vec<Vec<f64>>,
     /// Energy stored in the support springs.
     pub contact_elastic: Vec<f64>,
-    /// Energy lost in the supports since t = 0: dashpots, and springs that relax after letting go.
+    /// Energy lost in the supports since t = 0: in dashpots, and in springs that relax after separation.
     pub contact_lost: Vec<f64>,
     /// Work of all applied loads since t = 0.
     pub work: Vec<f64>,
@@ -38,7 +38,7 @@ impl EnergyHistory {
         }
     }
 
-    /// Kinetic, strain and contact energy together at entry k \[J\].
+    /// Total kinetic, strain and contact energy at entry k \[J\].
     pub fn mechanical(&self, k: usize) -> f64 {
         let bodies: f64 = self.kinetic.iter().chain(&self.strain).map(|e| e[k]).sum();
         bodies + self.contact_elastic[k]
@@ -49,8 +49,8 @@ impl EnergyHistory {
         self.kinetic.iter().map(|e| e[k]).sum()
     }
 
-    /// Largest violation of the balance over the largest energy in play, which is the peak of kinetic energy or of the
-    /// loads' work, whichever is greater \[1\].
+    /// Largest violation of the energy balance, relative to the peak of kinetic energy or of the loads' work, whichever
+    /// is greater \[1\].
     pub(crate) fn imbalance(&self) -> f64 {
         let (mut worst, mut scale): (f64, f64) = (0.0, 0.0);
         for k in 0..self.time.len() {
@@ -59,7 +59,7 @@ impl EnergyHistory {
             worst = worst.max((self.work[k] - stored - dissipated - self.contact_lost[k]).abs());
             scale = scale.max(self.kinetic_total(k)).max(self.work[k].abs());
         }
-        // In a run at rest only the rounding of the static energies is left to compare.
+        // In a run at rest, only the rounding of the static energies remains to compare.
         scale = scale.max(1e-9 * self.mechanical(0));
         if worst == 0.0 { 0.0 } else { worst / scale }
     }
@@ -90,7 +90,7 @@ impl EnergyHistory {
     }
 }
 
-/// Energy sum k d^2/2 of the support springs, touching ones only.
+/// Energy sum k d^2/2 of the support springs in contact.
 pub(super) fn elastic_energy(supports: &[Support], penetration: &[f64]) -> f64 {
     let spring = |(s, d): (&Support, &f64)| {
         let closed = s.law == SupportLaw::Bonded || *d > 0.0;
@@ -99,17 +99,18 @@ pub(super) fn elastic_energy(supports: &[Support], penetration: &[f64]) -> f64 {
     supports.iter().zip(penetration).map(spring).sum()
 }
 
-/// Modes up to this omega h are left to the cubic of a [`Ledger`], which errs by (omega h)^4/720 of their work: 2e-5.
+/// For modes up to this omega h, the cubic of a [`Ledger`] suffices; its relative error in their work is (omega
+/// h)^4/720 = 2e-5.
 const RESOLVED: f64 = 0.35;
 
-/// Work in poorly resolved modes beyond that of the cubic of a [`Ledger`]. Residual vectors are such modes: their
+/// Work in poorly resolved modes that the cubic of a [`Ledger`] misses. Residual vectors are such modes: their
 /// frequencies are far above those of the analysis, and they follow every kink of a force.
 ///
-/// A mode's equation of motion gives the integral of its motion over a step without a quadrature:
+/// A mode's equation of motion yields the integral of its motion over a step without quadrature:
 ///
 ///   int q dt = ((g0 + g1) h/2 - (q1' - q0') - 2 zeta omega (q1 - q0))/omega^2.
 ///
-/// With it follows the work of a modal force f that is linear over the step, beyond that of the cubic:
+/// From it follows the work of a modal force that is linear over the step, beyond that of the cubic:
 ///
 ///   -(f1 - f0)/h (int q dt - (q0 + q1) h/2 + (q1' - q0') h^2/12).
 #[derive(Debug, Clone)]
@@ -148,12 +149,12 @@ impl Unresolved {
         Self { step, modes }
     }
 
-    /// Takes the state at t = 0.
+    /// Sets the state at t = 0.
     pub(super) fn begin(&mut self, state: &State) {
         self.modes.iter_mut().for_each(|mode| mode.start = mode.now(state));
     }
 
-    /// Goes on to the state at the end of a step; the work of loads and of supports \[J\] that ledgers leave out.
+    /// Advances to the state at the end of a step; returns the work of loads and of supports that ledgers miss \[J\].
     pub(super) fn add(&mut self, state: &State) -> [f64; 2] {
         let h = self.step;
         let mut left_out = [0.0; 2];
@@ -178,7 +179,7 @@ impl PoorlyResolved {
     }
 }
 
-/// Work and impulse of forces that are linear over each step, along motions given with their rates at the samples.
+/// Work and impulse of forces that are linear over each step, for motions given with their rates at the samples.
 #[derive(Debug, Clone)]
 pub(super) struct Ledger {
     step: f64,
@@ -204,11 +205,11 @@ impl Ledger {
         }
     }
 
-    /// Adds a step. With the motion u as the cubic through values and rates at both ends,
+    /// Adds a step. With u approximated by the cubic through values and rates at both ends, the work is
     ///
     ///   int F u' dt = (F0 + F1)/2 (u1 - u0) + (F1 - F0) h/12 (u1' - u0').
     ///
-    /// This leaves a relative error of (omega h)^4/720 for a motion at omega; [`Unresolved`] removes it if it is large.
+    /// The relative error is (omega h)^4/720 for a motion at omega; [`Unresolved`] removes it if it is large.
     pub(super) fn add(&mut self, force: &[f64], motion: &[f64], rate: &[f64]) {
         let h = self.step;
         let mut work = 0.0;
@@ -233,7 +234,7 @@ mod tests {
     use crate::random::Random;
     use crate::vibration::{Loads, ModalBody, Settings, Start, Support, SupportLaw, respond};
 
-    /// Imbalance of a mode at omega h = `phase` under a load that jumps about, on a spring where `supported`.
+    /// Energy imbalance of a mode at omega h = `phase` under an irregular load, on a spring if `supported`.
     fn imbalance(phase: f64, supported: bool) -> f64 {
         let settings = Settings {
             duration: 2e-3,
@@ -271,8 +272,8 @@ mod tests {
         for supported in [false, true] {
             for phase in [0.5, 1.0, 2.0, 3.1, 5.0, 40.0] {
                 let found = imbalance(phase, supported);
-                // The cubic alone leaves up to 0.01 of it open here; the error of the mode on its spring, at omega h =
-                // 0.2, stays.
+                // The cubic alone would leave an imbalance of up to 0.01; the error of the mode on its spring, at omega
+                // h = 0.2, remains.
                 assert!(found < 1e-6, "omega h = {phase}, supported {supported}: {found:e}");
             }
         }

@@ -2,15 +2,15 @@
 
 use thiserror::Error;
 
-/// A transient run that cannot start or cannot go on; the text names the remedy.
+/// A transient run that cannot start or continue; the text names the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TransientError {
-    /// An array does not have the size that the others require.
+    /// An array has the wrong size.
     #[error("{what}: {found} given where {expected} are needed; make all arrays of a body and of the loads agree")]
     Size {
-        /// The array, with its body's name if it belongs to one.
+        /// The array, with the name of its body if it belongs to one.
         what: String,
-        /// Size asked for by the rest of the input.
+        /// Size required by the rest of the input.
         expected: usize,
         /// Size found.
         found: usize,
@@ -22,10 +22,10 @@ pub enum TransientError {
         what: String,
         /// The value found.
         value: f64,
-        /// The values allowed.
+        /// The allowed values.
         range: &'static str,
     },
-    /// A constant load pushes a body in a direction of free motion.
+    /// A constant load acts on an unrestrained rigid motion of a body.
     #[error(
         "no static equilibrium: {share:.1e} of the load at t = 0 acts on rigid motions that no support can hold \
          (largest on body `{body}`); add a support in that direction, balance the load, or start from rest"
@@ -33,10 +33,10 @@ pub enum TransientError {
     NotSupported {
         /// Body whose rigid modes carry most of the unsupported load.
         body: String,
-        /// Norm of the unsupported part over the norm of the whole modal load.
+        /// Norm of the unsupported part, relative to that of the total modal load.
         share: f64,
     },
-    /// The unilateral supports cannot balance the loads at t = 0: a body tips over or is lifted off.
+    /// The unilateral supports cannot balance the loads at t = 0: a body tips over or lifts off.
     #[error(
         "no static equilibrium: after {iterations} iterations {residual:.1e} of the load is unbalanced with \
          {touching} supports touching; the body `{body}` tips or is lifted off: move the load inside the support, \
@@ -45,14 +45,14 @@ pub enum TransientError {
     NoEquilibrium {
         /// Body with the largest unbalanced load.
         body: String,
-        /// Newton iterations done.
+        /// Number of Newton iterations.
         iterations: usize,
-        /// Norm of the unbalanced modal load over the norm of the whole modal load.
+        /// Norm of the unbalanced modal load, relative to that of the total modal load.
         residual: f64,
-        /// Supports in contact at the end of the iteration.
+        /// Number of supports in contact after the last iteration.
         touching: usize,
     },
-    /// No unilateral support touched from the start to the end of the run.
+    /// No unilateral support touched during the run.
     #[error(
         "a support never touches: the smallest gap of all {supports} unilateral supports in {duration:.3} s was \
          {gap:.2e} m (support {nearest}); check gap and normals, \
@@ -61,7 +61,7 @@ pub enum TransientError {
     SupportNeverTouches {
         /// Number of unilateral supports.
         supports: usize,
-        /// Index of the support that came nearest.
+        /// Index of the support that came closest.
         nearest: usize,
         /// Its smallest gap \[m\].
         gap: f64,
@@ -78,11 +78,11 @@ pub enum TransientError {
         frequency: f64,
         /// Its omega h.
         rate: f64,
-        /// The limit of omega h that the settings allow.
+        /// The limit of omega h in the settings.
         limit: f64,
         /// Step \[s\].
         step: f64,
-        /// Step that would pass \[s\].
+        /// Step that would satisfy the limit \[s\].
         remedy: f64,
     },
     /// The set of touching supports could not be found.
@@ -91,11 +91,11 @@ pub enum TransientError {
          {iterations} iterations; reduce the step or raise max_contact_iterations"
     )]
     ContactNotConverged {
-        /// Time of the step's end \[s\].
+        /// Time at the end of the step \[s\].
         time: f64,
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
-        /// Supports whose state contradicts the law.
+        /// Number of supports whose state violates the law.
         violations: usize,
         /// Number of supports.
         supports: usize,

@@ -1,8 +1,8 @@
-//! The loops that take most time of a run, on lanes of four modes.
+//! The most time-consuming loops of a run, on lanes of four modes.
 //!
-//! They use the vector instructions that the machine has (pulp's dispatch), but no fused multiply-add and an order of
-//! summation that does not depend on the vectors' width. A run therefore gives the same bits on any of them. A bouncing
-//! block amplifies rounding, and its result should still be reproducible.
+//! They use the machine's vector instructions (by pulp's dispatch), but no fused multiply-add, and an order of
+//! summation that does not depend on the vector width. A run therefore gives the same bits on any machine. This matters
+//! because a bouncing block amplifies rounding.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use pulp::{Simd, WithSimd};
 
 use super::recurrence::Recurrence;
 
-/// The vector instructions that the machine has, with four values in a vector at most.
+/// The machine's vector instructions, with at most four values per vector.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arch(Option<pulp::x86::V3>);
@@ -35,15 +35,15 @@ impl Arch {
 /// Four values side by side.
 pub(super) type Lane = [f64; 4];
 
-/// Number of lanes for `values`.
+/// Number of lanes needed for `values` values.
 pub(super) fn lanes(values: usize) -> usize {
     values.div_ceil(4)
 }
 
-/// Column-major matrix whose columns are padded with zeros to whole lanes.
+/// Column-major matrix whose columns are padded with zeros to full lanes.
 #[derive(Debug, Clone)]
 pub(super) struct Columns {
-    /// Lanes of one column.
+    /// Number of lanes per column.
     pub(super) height: usize,
     pub(super) data: Vec<Lane>,
 }
@@ -65,12 +65,12 @@ impl Columns {
     }
 }
 
-/// Coefficients of all modes, array by array.
+/// Coefficients of all modes, as separate arrays.
 #[derive(Debug, Clone)]
 pub(super) struct Coefficients {
-    /// a11, a12, b1, c1: what q at the end of a step takes from q, v, g at its start and g at its end.
+    /// a11, a12, b1, c1: factors of q, v, g at the start and g at the end of a step in q at its end.
     displacement: [Vec<Lane>; 4],
-    /// a21, a22, b2, c2: the same for v.
+    /// a21, a22, b2, c2: likewise for v.
     velocity: [Vec<Lane>; 4],
     /// The quadratic form of the dissipation.
     dissipation: [Vec<Lane>; 10],
@@ -99,24 +99,24 @@ impl Coefficients {
     }
 }
 
-/// Modal quantities of one step, all of the same number of lanes.
+/// Modal quantities during one step, all with the same number of lanes.
 #[derive(Debug, Clone)]
 pub(super) struct State {
     /// q at the start of the step.
     pub(super) q: Vec<Lane>,
     /// q' at the start of the step.
     pub(super) v: Vec<Lane>,
-    /// Modal force at the start of the step, applied and contact.
+    /// Total modal force at the start of the step, applied and contact.
     pub(super) g: Vec<Lane>,
     /// Applied modal force at the end of the step.
     pub(super) applied: Vec<Lane>,
     /// Modal force of the supports at the end of the step.
     pub(super) contact: Vec<Lane>,
-    /// q at the end of the step as it would be without support forces there.
+    /// q at the end of the step without support forces there.
     pub(super) q_free: Vec<Lane>,
-    /// The same of q'.
+    /// q' at the end of the step without support forces there.
     pub(super) v_free: Vec<Lane>,
-    /// Energy dissipated in the mode so far.
+    /// Energy dissipated by the mode so far.
     pub(super) dissipated: Vec<Lane>,
 }
 
@@ -136,10 +136,10 @@ impl State {
     }
 }
 
-/// Views four-value lanes as the machine's vectors (of one, two or four values).
+/// Views lanes of four values as the machine's vectors (of one, two or four values).
 #[inline(always)]
 fn vectors<S: Simd>(lanes: &[Lane]) -> &[S::f64s] {
-    // Longer ones would leave out the end of an odd number of lanes.
+    // Longer vectors would miss the end of an odd number of lanes.
     const {
         assert!(
             size_of::<S::f64s>() <= size_of::<Lane>(),
@@ -149,7 +149,7 @@ fn vectors<S: Simd>(lanes: &[Lane]) -> &[S::f64s] {
     S::as_simd_f64s(lanes.as_flattened()).0
 }
 
-/// As `vectors`, to write.
+/// Mutable version of `vectors`.
 #[inline(always)]
 fn vectors_mut<S: Simd>(lanes: &mut [Lane]) -> &mut [S::f64s] {
     const {
@@ -161,7 +161,7 @@ fn vectors_mut<S: Simd>(lanes: &mut [Lane]) -> &mut [S::f64s] {
     S::as_mut_simd_f64s(lanes.as_flattened_mut()).0
 }
 
-/// sum_k c_k[i] x_k, the first two and the last two terms first.
+/// sum_k c_k[i] x_k; the first two and the last two terms are added first.
 #[inline(always)]
 fn weighted<S: Simd>(simd: S, c: &[&[S::f64s]; 4], i: usize, x: [S::f64s; 4]) -> S::f64s {
     let first = simd.add_f64s(simd.mul_f64s(c[0][i], x[0]), simd.mul_f64s(c[1][i], x[1]));
@@ -206,7 +206,7 @@ pub(super) fn predict(arch: Arch, coefficients: &Coefficients, state: &mut State
     arch.dispatch(Predict(coefficients, state));
 }
 
-/// Ends the step with the contact forces found: q, v, g at its end, and the dissipation.
+/// Completes the step with the contact forces found: q, v, g at its end, and the dissipation.
 pub(super) fn finish(arch: Arch, coefficients: &Coefficients, state: &mut State) {
     struct Finish<'a>(&'a Coefficients, &'a mut State);
     impl WithSimd for Finish<'_> {
@@ -263,7 +263,7 @@ pub(super) fn finish(arch: Arch, coefficients: &Coefficients, state: &mut State)
     arch.dispatch(Finish(coefficients, state));
 }
 
-/// out = sum over k in `which` of scale_k column_k, on the lanes `range`.
+/// out = sum over k in `which` of scale_k column_k, for the lanes `range`.
 pub(super) fn combine(
     arch: Arch,
     columns: &Columns,
@@ -326,8 +326,9 @@ pub(super) fn combine(
     }
 }
 
-/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` has one column per
-/// mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not matter.
+/// out_a = sum over modes of a_j row_j and out_b likewise, for the lanes `range` of the modes; `rows` has one column
+/// per mode. The loop runs over modes, not over products, so nothing is summed across a vector and its width does not
+/// matter.
 pub(super) fn project(
     arch: Arch,
     rows: &Columns,
@@ -374,7 +375,7 @@ pub(super) fn project(
     }
 }
 
-/// Exchanges argument and value of index k of the square matrix y = T x (principal pivot):
+/// Exchanges argument and value of index k in y = T x with T square (principal pivot):
 ///
 ///   T_kk' = 1/T_kk, T_kj' = -T_kj/T_kk, T_ik' = T_ik/T_kk, T_ij' = T_ij - T_ik T_kj/T_kk.
 pub(super) fn pivot(arch: Arch, t: &mut Columns, k: usize, scratch: &mut [Lane]) {
@@ -407,7 +408,7 @@ pub(super) fn pivot(arch: Arch, t: &mut Columns, k: usize, scratch: &mut [Lane])
     arch.dispatch(Pivot(t, k, scratch));
 }
 
-/// Sum of a lane in the order that the vector kernels use.
+/// Sum of a lane, in the order used by the vector kernels.
 #[inline(always)]
 fn total(lane: Lane) -> f64 {
     (lane[0] + lane[2]) + (lane[1] + lane[3])

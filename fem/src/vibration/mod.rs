@@ -1,24 +1,24 @@
-//! Time-domain response of modal bodies with supports that can lose contact.
+//! Time-domain response of modal bodies on supports that can lose contact.
 //!
 //! [`respond`] takes one or two bodies as plain arrays (frequencies, damping ratios, participation of loads and
-//! supports), springs and dashpots between them or to the ground, and loads on the grid of the cycle's record. Each
-//! mode follows forces that are linear over a step exactly (Duhamel's integral in closed form), so nothing but the
+//! supports), springs and dashpots between them or to the ground, and loads on the time grid of the cycle's record.
+//! Each mode responds exactly to forces that are linear over a step (Duhamel's integral in closed form), so only the
 //! contact limits the step:
 //!
-//! * Supports act at points, each along any one direction, with separate dashpots. Those of sand are never folded into
-//!   modal damping.
-//! * The support forces at the end of a step depend on the motion there, which depends on them: a linear
-//!   complementarity problem of the size of the supports, solved exactly in every step. Bonded supports take the same
-//!   path.
-//! * Between samples a contact force is linear. This is the linear acceleration method for the contact only: of order
-//!   two while a contact lasts and for elastic impacts, of order one where a dashpot meets a moving surface, whose
-//!   force jumps.
-//! * Every run closes two balances. The energy balance is work of the loads = change of kinetic, strain and contact
-//!   energy + dissipated + lost in contact. The momentum balance is that of the rigid modes. Both use sums that the
-//!   march itself does not use.
+//! * Supports act at points, each along one arbitrary direction, with separate dashpots. The dashpots of sand are never
+//!   folded into modal damping.
+//! * The support forces at the end of a step depend on the motion there and vice versa: a linear complementarity
+//!   problem of the size of the supports, which is solved exactly in every step. Bonded supports are treated in the
+//!   same way.
+//! * A contact force is linear between samples. For the contact, this is the linear acceleration method: second order
+//!   while a contact lasts and for elastic impacts, first order when a dashpot meets a moving surface, because its
+//!   force is discontinuous.
+//! * Every run checks two balances. The energy balance is: work of the loads = change of kinetic, strain and contact
+//!   energy + energy dissipated + energy lost in contact. The momentum balance is that of the rigid modes. Both use
+//!   sums that the time integration itself does not use.
 //!
-//! The result stores forces, not motions: [`ModalResponse::modal`] runs the recurrence again for the requested modes. A
-//! correction in the frequency domain of a linear motion ([`AddedMotion`]) is included.
+//! The result stores forces instead of motions; [`ModalResponse::modal`] reruns the recurrence for the requested modes.
+//! Linear corrections of the motion in the frequency domain ([`AddedMotion`]) are included.
 //!
 //! ```
 //! use nailnoise_fem::vibration::{Loads, ModalBody, Motion, Settings, Support, SupportLaw, respond};

@@ -14,13 +14,13 @@ pub struct ModalBody {
     pub name: String,
     /// Angular natural frequencies [rad/s]; exactly 0 for a rigid mode.
     pub omega: Vec<f64>,
-    /// Damping ratios zeta = eta/2 of the modes \[1\]; without effect where omega = 0.
+    /// Damping ratios zeta = eta/2 of the modes \[1\]; no effect if omega = 0.
     pub zeta: Vec<f64>,
-    /// Modes x loads [1/sqrt(kg)]: mode shape at the point and in the direction of each load (for a distributed load
+    /// Modes x loads [1/sqrt(kg)]: mode shape at the point and in the direction of each load (for a distributed load,
     /// its virtual work per unit of F_l). A load that does not act on this body has a column of zeros.
     pub loads: DMatrix<f64>,
     /// Modes x supports [1/sqrt(kg)]: mode shape at each support point along the body's OUTWARD normal, so that
-    /// positive motion closes the gap. Two touching bodies have opposite normals there, hence opposite forces.
+    /// positive motion closes the gap. Two bodies in contact have opposite normals there, hence opposite forces.
     pub supports: DMatrix<f64>,
 }
 
@@ -31,18 +31,18 @@ impl ModalBody {
     }
 }
 
-/// How a support acts where its gap is open or its force would pull.
+/// Behaviour of a support when its gap is open or its force would be tensile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SupportLaw {
-    /// f = max(0, k d + c d') while d > 0, else 0: the support pushes only and can open.
+    /// f = max(0, k d + c d') while d > 0, else 0: the support transmits only compression and can open.
     Unilateral,
     /// f = k d + c d' always: glued, linear.
     Bonded,
 }
 
-/// A spring with a parallel dashpot between two bodies, or between a body and the ground,
-/// acting on the penetration d = sum over bodies (supports^T q) - gap.
+/// A spring and a parallel dashpot between two bodies, or between a body and the ground, which act on the penetration d
+/// = sum over bodies (supports^T q) - gap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Support {
     /// Stiffness k = k'' A_i [N/m].
@@ -51,24 +51,24 @@ pub struct Support {
     pub damping: f64,
     /// Gap at q = 0 \[m\]; negative for an initial penetration.
     pub gap: f64,
-    /// Whether it can pull.
+    /// Whether it can transmit tension.
     pub law: SupportLaw,
 }
 
-/// Applied loads on the uniform grid of the cycle's record, piecewise linear between samples.
+/// Applied loads on the uniform time grid of the cycle's record, piecewise linear between samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loads {
     /// Sampling interval \[s\] of `history`.
     pub interval: f64,
     /// Loads x samples \[N\], the first column at t = 0.
     pub history: DMatrix<f64>,
-    /// Value of each load \[N\] long after the record: gravity is constant, forces of the shot go to their final
+    /// Value of each load \[N\] long after the record: gravity is constant, while the forces of the shot approach final
     /// values.
     pub final_values: Vec<f64>,
 }
 
 impl Loads {
-    /// Loads that are constant for ever.
+    /// Loads that are constant in time.
     pub fn constant(values: &[f64]) -> Self {
         Self {
             interval: 1.0,
@@ -87,7 +87,8 @@ impl Loads {
         self.interval * self.history.ncols().saturating_sub(1) as f64
     }
 
-    /// Loads x `samples` on the grid 0, `step`, 2 `step`, ... They are linear between the record's samples. Then
+    /// Samples the loads on the grid 0, `step`, 2 `step`, ...: loads x `samples`. They are linear between the record's
+    /// samples. After the record,
     ///
     ///   F(t) = F_final + (F_end - F_final) (1 + cos(pi (t - t_end)/taper))/2  for  t_end < t < t_end + taper,
     ///
@@ -99,7 +100,7 @@ impl Loads {
         for n in 0..samples {
             let time = n as f64 * step;
             let position = time / self.interval;
-            // A grid time that equals a record time up to rounding takes that sample itself.
+            // A grid time that equals a record time up to rounding uses that sample.
             let nearest = position.round();
             let on_sample = (position - nearest).abs() <= 1e-9 * position.max(1.0);
             let position = if on_sample { nearest } else { position };
@@ -162,9 +163,9 @@ pub enum Motion {
 /// State at t = 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start {
-    /// At rest in static equilibrium with the loads at t = 0 (gravity, tool weight, push of the hand).
+    /// At rest in static equilibrium with the loads at t = 0 (gravity, tool weight, hand force).
     Equilibrium,
-    /// At rest with q = 0; the loads at t = 0 act at once.
+    /// At rest with q = 0; the loads at t = 0 are applied suddenly.
     Rest,
     /// Given states, one per body: a perturbed equilibrium, a falling body.
     State(Vec<ModalState>),
@@ -177,20 +178,21 @@ pub struct Settings {
     pub step: f64,
     /// Longest time simulated \[s\].
     pub duration: f64,
-    /// Time \[s\] for the loads to reach their final values after the end of the record.
+    /// Time \[s\] in which the loads approach their final values after the end of the record.
     pub taper: f64,
-    /// Fall \[dB\] of the energy below its maximum that ends the run after the taper; infinite to run on to `duration`.
+    /// Decrease of the energy below its maximum \[dB\] at which the run ends after the taper; infinite to continue to
+    /// `duration`.
     pub decay: f64,
-    /// Interval \[s\] of the energy histories and of the decay test, rounded to whole steps.
+    /// Interval of the energy histories and of the decay test \[s\], rounded to whole steps.
     pub energy_interval: f64,
     /// State at t = 0.
     pub start: Start,
-    /// Changes of the set of touching supports tried within one step.
+    /// Largest number of changes to the set of touching supports within one step.
     pub max_contact_iterations: usize,
     /// Largest omega h of the bodies' vibration on their supports. The contact force is linear over a step (linear
-    /// acceleration method): stable to 2 sqrt 3, period error (omega h)^2/24.
+    /// acceleration method): stable up to 2 sqrt 3, period error (omega h)^2/24.
     pub contact_rate_limit: f64,
-    /// Whether a run without any contact of a unilateral support is an error.
+    /// Whether it is an error if no unilateral support ever touches.
     pub require_contact: bool,
 }
 

@@ -5,7 +5,8 @@
 ///   q1 = a11 q0 + a12 v0 + b1 g0 + c1 g1
 ///   v1 = a21 q0 + a22 v0 + b2 g0 + c2 g1
 ///
-/// With the impulse response w(t) (w(0) = 0, w'(0) = 1), its integral I and its double integral J over the step,
+/// With the impulse response w(t) (w(0) = 0, w'(0) = 1), its integral I and its double integral J over the step, the
+/// coefficients are
 ///
 ///   a12 = w, a22 = w', a21 = -omega^2 w, a11 = w' + 2 zeta omega w,
 ///   c1 = J/h, b1 = I - J/h, c2 = I/h, b2 = w - I/h.
@@ -52,13 +53,13 @@ struct Impulse {
 
 impl Impulse {
     fn new(omega: f64, zeta: f64, h: f64) -> Self {
-        // Below this the Taylor series converges in about twenty terms without cancellation, in every regime; its first
+        // Below this, the Taylor series converges in about twenty terms without cancellation in every regime; its first
         // term is the rigid mode.
         let fastest = omega * (zeta + (zeta * zeta - 1.0).max(0.0).sqrt()).max(1.0);
         if fastest * h < 1.0 {
             return Self::series(omega, zeta, h);
         }
-        // (omega_d h)^2, negative when overdamped; near zero both closed forms lose digits.
+        // (omega_d h)^2, negative if overdamped; near zero, both closed forms lose digits.
         let square = (1.0 - zeta) * (1.0 + zeta) * (omega * h).powi(2);
         if square < -0.25 {
             Self::overdamped(omega, zeta, h)
@@ -165,12 +166,12 @@ fn phi_2(z: f64) -> f64 {
     sum
 }
 
-/// Dissipation of one mode over a step as a quadratic form of its start and load,
+/// Dissipation of one mode over a step as a quadratic form in its initial state and load,
 ///
 ///   2 zeta omega int_0^h q'^2 dt = x^T D x,   x = (q0, v0, g0, g1),
 ///
-/// exact to rounding. The recurrence of partial steps gives q' at the points of a Gauss rule as linear forms of x.
-/// Stored as the ten entries 11 12 13 14 22 23 24 33 34 44, off-diagonal ones doubled.
+/// exact to rounding. The recurrence for partial steps gives q' at the points of a Gauss rule as linear forms in x.
+/// Stored as the ten entries 11 12 13 14 22 23 24 33 34 44, with the off-diagonal ones doubled.
 pub(super) fn dissipation(omega: f64, zeta: f64, h: f64, rule: &(Vec<f64>, Vec<f64>)) -> [f64; 10] {
     let mut form = [0.0; 10];
     if omega == 0.0 || zeta == 0.0 {
@@ -203,7 +204,7 @@ mod tests {
     use super::*;
     use nailnoise_meshes::gauss_legendre;
 
-    /// The same by sub-steps of the series, composed: independent of the closed forms.
+    /// The same from series over composed sub-steps, independent of the closed forms.
     fn composed(omega: f64, zeta: f64, h: f64) -> Recurrence {
         let parts = 4096;
         let small = Recurrence::new(omega, zeta, h / parts as f64);
@@ -234,7 +235,7 @@ mod tests {
     }
 
     fn distance(a: Recurrence, b: Recurrence, omega: f64, h: f64) -> f64 {
-        // Each coefficient on its own scale.
+        // Each coefficient has its own scale.
         [
             (a.a11 - b.a11),
             (a.a12 - b.a12) / h,

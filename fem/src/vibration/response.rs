@@ -14,22 +14,23 @@ use super::model::{ModalBody, ModalState, Motion};
 use super::recurrence::Recurrence;
 use super::system::effective_zeta;
 
-/// What ended the run.
+/// Reason why the run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ending {
-    /// The energy had fallen by the decay asked for.
+    /// The energy had decreased by the requested decay.
     Decayed {
-        /// Level of the energy at the end relative to its maximum \[dB\].
+        /// Energy level at the end, relative to its maximum \[dB\].
         level: f64,
-        /// Whether the energy is the excess over the final equilibrium, or (if there is none) the kinetic energy.
+        /// Whether the energy is the excess over the final equilibrium; otherwise there is no equilibrium and it is the
+        /// kinetic energy.
         over_equilibrium: bool,
     },
-    /// The longest duration was reached first.
+    /// The maximum duration was reached.
     Duration {
-        /// Level of the energy at the end relative to its maximum \[dB\].
+        /// Energy level at the end, relative to its maximum \[dB\].
         level: f64,
-        /// As in `Decayed`.
+        /// Same as in `Decayed`.
         over_equilibrium: bool,
     },
 }
@@ -37,27 +38,28 @@ pub enum Ending {
 /// Work counters of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Work {
-    /// Steps of the recurrence.
+    /// Number of recurrence steps.
     pub steps: usize,
-    /// Steps with at least one support touching at the end.
+    /// Number of steps with at least one support in contact at the end.
     pub contact_steps: usize,
-    /// Iterations for the set of touching supports, over all steps.
+    /// Number of iterations for the set of touching supports, over all steps.
     pub contact_iterations: usize,
-    /// Supports that began or ceased to touch: pivots of the contact matrix.
+    /// Number of supports that made or lost contact: pivots of the contact matrix.
     pub contact_changes: usize,
-    /// Contact matrices rebuilt from scratch.
+    /// Number of contact matrices rebuilt from scratch.
     pub factorisations: usize,
-    /// Newton iterations of the static start and of the final equilibrium.
+    /// Number of Newton iterations for the static start and the final equilibrium.
     pub static_iterations: usize,
-    /// Modes with omega h >= pi, which the step cannot follow: they give their static compliance, critically damped.
+    /// Number of modes with omega h >= pi, which the step cannot resolve; they respond with their static compliance,
+    /// critically damped.
     pub modes_beyond_step: usize,
 }
 
 /// Response of one or two bodies.
 ///
-/// The forces on the grid determine everything else, because between samples they are linear and each mode follows them
-/// exactly. So only they are stored (39 MB for 65 supports and 0.3 s at 4 us, instead of 780 MB of modal histories).
-/// The motion of any mode is produced on demand by the same recurrence.
+/// Between samples the forces are linear and each mode follows them exactly, so the forces on the grid determine
+/// everything else. Only they are stored (39 MB for 65 supports and 0.3 s at 4 us, instead of 780 MB of modal
+/// histories). The motion of any mode is computed on demand by the same recurrence.
 #[derive(Debug, Clone)]
 pub struct ModalResponse {
     /// Step \[s\] of the grid.
@@ -72,29 +74,29 @@ pub struct ModalResponse {
     pub end: Vec<ModalState>,
     /// Energies on a coarse grid.
     pub energy: EnergyHistory,
-    /// Share of the samples at which no unilateral support touches \[1\]; 0 without such supports.
+    /// Fraction of samples at which no unilateral support touches \[1\]; 0 without such supports.
     pub open_fraction: f64,
-    /// Share of the static load at t = 0 (and of the final one) left out because nothing can support it \[1\]; at most
-    /// 1e-6.
+    /// Fraction of the static load at t = 0 (and of the final one) omitted because no support can carry it \[1\]; at
+    /// most 1e-6.
     pub unsupported_load: f64,
-    /// What ended the run.
+    /// Reason why the run ended.
     pub ending: Ending,
     /// Checks of this run.
     pub checks: Vec<Check>,
     /// Work counters.
     pub work: Work,
     pub(super) bodies: Vec<ModalBody>,
-    /// State at every [`MARK`]th sample, one per body, as a start for [`Self::at`].
+    /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] starts.
     pub(super) marks: Vec<Vec<ModalState>>,
-    /// Motion beyond that of the march, which all methods add; forces, states and energies are those of the march.
+    /// Motion added to that of the time integration by all methods; forces, states and energies exclude it.
     pub(super) added: Option<AddedMotion>,
 }
 
-/// Samples from one stored state to the next: a thousandth of the memory of all.
+/// Number of samples between stored states, which need a thousandth of the memory of all.
 pub(super) const MARK: usize = 128;
 
 impl ModalResponse {
-    /// Number of samples, the one at t = 0 included.
+    /// Number of samples, including the one at t = 0.
     pub fn samples(&self) -> usize {
         self.loads.ncols()
     }
@@ -109,10 +111,11 @@ impl ModalResponse {
         &self.bodies
     }
 
-    /// Damping ratios of a body's modes that the march used: critical at least where its step does not follow a mode.
+    /// Damping ratios of a body's modes used in the time integration: at least critical for modes that its step cannot
+    /// resolve.
     ///
     /// # Errors
-    /// [`TransientError::Size`] for a body that does not exist.
+    /// [`TransientError::Size`] if the body does not exist.
     pub fn damping_ratios(&self, body: usize) -> Result<Vec<f64>, TransientError> {
         let body = self.body(body)?;
         let pairs = body.omega.iter().zip(&body.zeta);
@@ -121,10 +124,10 @@ impl ModalResponse {
             .collect())
     }
 
-    /// The same response with a motion in addition to that of the march; the forces do not change.
+    /// The same response with additional motion; the forces do not change.
     ///
     /// # Errors
-    /// [`TransientError::Size`] for lines of another number of bodies or modes.
+    /// [`TransientError::Size`] if the number of bodies or modes differs.
     pub fn with_added(&self, added: AddedMotion) -> Result<Self, TransientError> {
         for (index, body) in self.bodies.iter().enumerate() {
             let found = added.modes(index);
@@ -145,7 +148,7 @@ impl ModalResponse {
     /// Number of modes of a body.
     ///
     /// # Errors
-    /// [`TransientError::Size`] for a body that does not exist.
+    /// [`TransientError::Size`] if the body does not exist.
     pub fn modes(&self, body: usize) -> Result<usize, TransientError> {
         Ok(self.body(body)?.modes())
     }
@@ -153,7 +156,7 @@ impl ModalResponse {
     /// Motion of a range of one body's modes: samples x modes, so that the history of one mode is contiguous.
     ///
     /// # Errors
-    /// [`TransientError::Size`] for a body or a mode that does not exist.
+    /// [`TransientError::Size`] if the body or a mode does not exist.
     pub fn modal(&self, body: usize, modes: Range<usize>, motion: Motion) -> Result<DMatrix<f64>, TransientError> {
         let chosen = self.body(body)?;
         if modes.end > chosen.modes() || modes.start > modes.end {
@@ -186,10 +189,10 @@ impl ModalResponse {
         Ok(history)
     }
 
-    /// Motion of points of one body: samples x points, for mode shapes at the points (modes x points).
+    /// Motion of points of one body, given the mode shapes at the points (modes x points): samples x points.
     ///
     /// # Errors
-    /// [`TransientError::Size`] for a body that does not exist or shapes of another number of modes.
+    /// [`TransientError::Size`] if the body does not exist or the shapes have a different number of modes.
     pub fn points(&self, body: usize, shapes: &DMatrix<f64>, motion: Motion) -> Result<DMatrix<f64>, TransientError> {
         let chosen = self.body(body)?;
         if shapes.nrows() != chosen.modes() {
@@ -217,7 +220,7 @@ impl ModalResponse {
             }
             sum
         };
-        // Groups fix the order of summation, whatever the number of threads.
+        // Groups determine the order of summation, independently of the number of threads.
         let sums: Vec<DMatrix<f64>> = blocks.par_chunks(GROUP).map(of_group).collect();
         let mut points = DMatrix::zeros(self.samples(), shapes.ncols());
         sums.into_iter().for_each(|sum| points += sum);
@@ -230,7 +233,7 @@ impl ModalResponse {
     /// Motion of all modes of one body at some samples: modes x samples.
     ///
     /// # Errors
-    /// [`TransientError::Size`] for a body or a sample that does not exist.
+    /// [`TransientError::Size`] if the body or a sample does not exist.
     pub fn at(&self, body: usize, samples: &[usize], motion: Motion) -> Result<DMatrix<f64>, TransientError> {
         let modes = self.body(body)?.modes();
         if let Some(&found) = samples.iter().find(|&&sample| sample >= self.samples()) {
@@ -272,16 +275,16 @@ impl ModalResponse {
     }
 }
 
-/// Modes replayed together.
+/// Number of modes replayed together.
 const BLOCK: usize = 32;
 
-/// Blocks whose motion is summed by one thread.
+/// Number of blocks whose motion one thread sums.
 const GROUP: usize = 4;
 
-/// Samples whose modal forces are formed at once.
+/// Number of samples whose modal forces are computed at once.
 const CHUNK: usize = 512;
 
-/// The recurrence run again for some modes, from the recorded forces.
+/// Reruns the recurrence for some modes from the stored forces.
 struct Replay<'a> {
     response: &'a ModalResponse,
     body: &'a ModalBody,
@@ -295,7 +298,7 @@ impl<'a> Replay<'a> {
         Self::from(response, body, modes, &response.start[body])
     }
 
-    /// From a state of the body.
+    /// Starts from a state of the body.
     fn from(response: &'a ModalResponse, body: usize, modes: Range<usize>, state: &ModalState) -> Self {
         let q = state.displacement[modes.clone()].to_vec();
         let v = state.velocity[modes.clone()].to_vec();
@@ -308,7 +311,7 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Modal forces of the samples from `first` on, modes x samples.
+    /// Modal forces of `count` samples starting at `first`, modes x samples.
     fn forces(&self, first: usize, count: usize) -> DMatrix<f64> {
         let rows = |matrix: &DMatrix<f64>| matrix.rows(self.modes.start, self.modes.len()).into_owned();
         let mut g = DMatrix::zeros(self.modes.len(), count);
@@ -319,20 +322,21 @@ impl<'a> Replay<'a> {
             0.0,
         );
         let contact = self.response.contact_forces.columns(first, count);
-        // Contacts that have lifted off stay off for a while.
+        // Contacts that have separated remain open for a while.
         if contact.iter().any(|force| *force != 0.0) {
             g.gemm(-1.0, &rows(&self.body.supports), &contact, 1.0);
         }
         g
     }
 
-    /// The motion of the modes piece by piece: `take` is given the first sample of a piece, and samples x modes.
+    /// Computes the motion piece by piece; `take` receives the first sample of a piece and its motion (samples x
+    /// modes).
     fn each(self, motion: Motion, take: impl FnMut(usize, &DMatrix<f64>)) {
         let samples = self.response.samples();
         self.over(0..samples, motion, take);
     }
 
-    /// The same of some samples, in whose first the modes are as they were given.
+    /// Same as `each` for a range of samples; the modes start in the given state at its first sample.
     fn over(mut self, samples: Range<usize>, motion: Motion, mut take: impl FnMut(usize, &DMatrix<f64>)) {
         let h = self.response.step;
         let count = self.modes.len();

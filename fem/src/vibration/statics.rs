@@ -6,23 +6,23 @@ use super::error::TransientError;
 use super::model::{ModalBody, Support, SupportLaw};
 use super::system::add_gram;
 
-/// Equilibrium of all bodies, modes of the first body first.
+/// Equilibrium of all bodies, with the modes of the first body first.
 pub(super) struct Equilibrium {
     /// Displacements q, one vector per body.
     pub(super) displacement: Vec<Vec<f64>>,
     /// Potential energy q^T omega^2 q/2 + sum k d^2/2 - load^T q \[J\].
     pub(super) potential: f64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub(super) iterations: usize,
-    /// Share of the load on rigid motions that no support can carry, left out.
+    /// Fraction of the load that acts on unsupported rigid motions and is omitted.
     pub(super) unsupported: f64,
 }
 
-/// Largest share of the load that may act on rigid motions without support: what rounding of rigid modes leaves of a
-/// vertical load in the horizontal ones.
+/// Largest fraction of the load that may act on unsupported rigid motions: a vertical load has such components in the
+/// horizontal rigid modes due to rounding.
 const UNSUPPORTED_LIMIT: f64 = 1e-6;
 
-/// Unbalanced share of the load at which the equilibrium counts as found.
+/// Unbalanced fraction of the load below which the equilibrium counts as found.
 const BALANCE_LIMIT: f64 = 1e-10;
 
 const MAX_ITERATIONS: usize = 100;
@@ -31,14 +31,14 @@ const MAX_ITERATIONS: usize = 100;
 ///
 ///   E(q) = q^T Omega^2 q/2 - g^T q + sum_i k_i <d_i>^2/2,   d = P^T q - gap,  <d> = max(0, d), or d where bonded.
 ///
-/// E is convex with a continuous gradient. The Newton step is reduced to the supports that touch and the rigid
-/// coordinates z (elastic modes e have a diagonal Hessian).
+/// E is convex with a continuous gradient. The Newton step is reduced to the touching supports and the rigid
+/// coordinates z (the Hessian of the elastic modes e is diagonal).
 ///
 ///   [ 1/k + P_e^T Omega^-2 P_e   -P_z^T ] [ lambda ]   [ -P_e^T Omega^-2 grad_e ]
 ///   [ P_z                         eps   ] [ dz     ] = [ -grad_z                ],
 ///   dq_e = -Omega^-2 (grad_e + P_e lambda).
 ///
-/// Rigid motions that no support resists are left out; eps only bounds the step while too few supports touch.
+/// Rigid motions that no support resists are omitted; eps only bounds the step while too few supports touch.
 pub(super) fn equilibrium(
     bodies: &[ModalBody],
     supports: &[Support],
@@ -77,7 +77,7 @@ struct Problem<'a> {
     /// Indices of rigid and elastic modes.
     rigid: Vec<usize>,
     elastic: Vec<usize>,
-    /// Orthonormal rigid motions that supports resist: rigid modes x coordinates.
+    /// Orthonormal basis of the rigid motions that supports resist: rigid modes x coordinates.
     held: DMatrix<f64>,
     /// z coordinates x supports.
     p_z: DMatrix<f64>,
@@ -138,7 +138,7 @@ impl<'a> Problem<'a> {
         self.g.select_rows(&self.rigid)
     }
 
-    /// Part of the rigid load that no support can carry.
+    /// Part of the load on rigid modes that no support can carry.
     fn unsupported_load(&self) -> DVector<f64> {
         let rigid = self.rigid_load();
         &rigid - &self.held * self.held.tr_mul(&rigid)
@@ -193,7 +193,7 @@ impl<'a> Problem<'a> {
         0.5 * self.omega2.component_mul(q).dot(q) - self.g.dot(q) + 0.5 * self.push(&d).dot(&d)
     }
 
-    /// Gradient without the unsupported rigid motions.
+    /// Gradient excluding unsupported rigid motions.
     fn held_gradient(&self, s: &Solution) -> (DVector<f64>, DVector<f64>) {
         let gradient = self.gradient(s);
         (
@@ -213,14 +213,15 @@ impl<'a> Problem<'a> {
             let (elastic, rigid) = self.held_gradient(s);
             (elastic.norm_squared() + rigid.norm_squared()).sqrt()
         };
-        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets another scale.
+        // Without loads and with open gaps, the initial state is the solution; bonded or pre-stressed supports provide
+        // a scale otherwise.
         let mut residual = unbalanced(&solution);
         let scale = scale.max(residual);
         for iteration in 0..MAX_ITERATIONS {
             if residual == 0.0 {
                 return Ok((solution, iteration));
             }
-            // The first step treats all supports as touching, which brings a body down on them.
+            // The first step treats all supports as touching, which closes the gaps.
             let first = iteration == 0;
             let step = self.newton_step(&solution, first);
             let next = if first {
@@ -229,7 +230,7 @@ impl<'a> Problem<'a> {
                 self.line_search(&solution, &step)
             };
             let found = unbalanced(&next);
-            // Once balanced, go on only while rounding still lets the residual fall.
+            // Once balanced, iterate only as long as rounding still allows the residual to decrease.
             if residual <= BALANCE_LIMIT * scale && found >= 0.5 * residual {
                 return Ok((solution, iteration + 1));
             }
@@ -260,7 +261,7 @@ impl<'a> Problem<'a> {
         let p_e = self.p.select_rows(&self.elastic);
         let (a, z) = (set.len(), rigid.len());
         let (mut matrix, mut right) = (DMatrix::zeros(a + z, a + z), DVector::zeros(a + z));
-        // Forces are counted in units of root k, which puts every entry on the scale of a rate.
+        // Forces are scaled by the square root of k, so that all entries have the dimension of a rate.
         let root = |i: usize| self.supports[i].stiffness.sqrt();
         for (row, &i) in set.iter().enumerate() {
             for (column, &k) in set.iter().enumerate() {
@@ -268,7 +269,7 @@ impl<'a> Problem<'a> {
             }
             matrix[(row, row)] += 1.0;
             right[row] = -root(i) * p_e.column(i).dot(&relaxed);
-            // While all supports are taken as touching, an open one is pulled shut from its gap.
+            // While all supports count as touching, an open one is pulled closed.
             if all && !self.touches(i, s.d[i]) {
                 right[row] += root(i) * s.d[i];
             }
@@ -303,7 +304,7 @@ impl<'a> Problem<'a> {
         step
     }
 
-    /// Minimum of E along the step: a zero of its slope, which is continuous and never falls.
+    /// Minimum of E along the step: a zero of its slope, which is continuous and nondecreasing.
     fn line_search(&self, s: &Solution, step: &DVector<f64>) -> Solution {
         let drop = self.p.tr_mul(step);
         let slope = |alpha: f64| {
@@ -342,8 +343,8 @@ fn range(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     if matrix.nrows() == 0 || matrix.ncols() == 0 {
         return DMatrix::zeros(matrix.nrows(), 0);
     }
-    // Eigenvectors of A A^T, a few rigid modes a side. Rounding leaves squares of 1e-16; motions supported a million
-    // times more weakly than the others count as unsupported.
+    // Eigenvectors of A A^T, whose size is the small number of rigid modes. Rounding leaves eigenvalues of 1e-16;
+    // motions supported a million times more weakly than the others count as unsupported.
     let eigen = (matrix * matrix.transpose()).symmetric_eigen();
     let limit = 1e-12 * eigen.eigenvalues.max();
     let kept: Vec<usize> = (0..matrix.nrows()).filter(|&k| eigen.eigenvalues[k] > limit).collect();

@@ -1,4 +1,4 @@
-//! The bodies joined into one set of modal arrays on a given step.
+//! Combines the bodies into common modal arrays for a given step.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -11,20 +11,20 @@ use super::kernels::{Coefficients, Columns, Lane, lanes};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
 use super::recurrence::{Recurrence, dissipation};
 
-/// One body's place in the joined arrays.
+/// Position of one body in the combined arrays.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     /// Its lanes; the last one may be padded.
     pub(super) lanes: Range<usize>,
     /// Its number of modes.
     pub(super) modes: usize,
-    /// Loads that act on it.
+    /// Indices of the loads that act on it.
     pub(super) loads: Vec<usize>,
-    /// Participation of these loads, a column per mode.
+    /// Participation of these loads, one column per mode.
     pub(super) load_rows: Columns,
 }
 
-/// All modes of all bodies, each body padded to whole lanes with modes that never move.
+/// All modes of all bodies; each body is padded to full lanes with modes that never move.
 #[derive(Debug, Clone)]
 pub(super) struct System {
     pub(super) parts: Vec<Part>,
@@ -37,14 +37,14 @@ pub(super) struct System {
     pub(super) loads: Columns,
     /// Modal participation of the supports.
     pub(super) supports: Columns,
-    /// The same, a column per mode.
+    /// The same, with one column per mode.
     pub(super) support_rows: Columns,
-    /// Modes with omega h >= pi.
+    /// Number of modes with omega h >= pi.
     pub(super) modes_beyond_step: usize,
 }
 
-/// Damping ratio used on the step h: a mode that the step cannot follow (omega h >= pi; usually a residual vector) is
-/// critically damped at least, so that it gives its static compliance without ringing at a false frequency.
+/// Damping ratio used for the step h. A mode that the step cannot resolve (omega h >= pi; usually a residual vector) is
+/// at least critically damped, so that it responds with its static compliance without ringing at a false frequency.
 pub(super) fn effective_zeta(omega: f64, zeta: f64, step: f64) -> f64 {
     if omega * step >= PI { zeta.max(1.0) } else { zeta }
 }
@@ -107,8 +107,8 @@ impl System {
         system
     }
 
-    /// C_d above C_v: the reduction of all penetrations and their rates by a unit force at a support at the end of a
-    /// step.
+    /// C_d above C_v: the reduction of all penetrations and their rates at the end of a step due to a unit force at a
+    /// support.
     pub(super) fn compliance(&self, bodies: &[ModalBody], supports: usize, step: f64) -> Columns {
         let mut joined = Columns::zeros(2 * lanes(supports), supports);
         let (mut c_d, mut c_v) = (DMatrix::zeros(supports, supports), DMatrix::zeros(supports, supports));
@@ -132,7 +132,7 @@ impl System {
         joined
     }
 
-    /// Puts a value per mode and body into lanes.
+    /// Arranges one value per mode and body in lanes.
     pub(super) fn gather<'a>(&self, values: impl Iterator<Item = &'a [f64]>) -> Vec<Lane> {
         let mut joined = vec![[0.0; 4]; self.height];
         for (part, values) in self.parts.iter().zip(values) {
@@ -154,8 +154,8 @@ impl System {
     }
 }
 
-/// Adds P^T diag(weights) P, P with a row per mode. In plain loops: a library's product may fuse multiply and add on
-/// some machines only, and a bouncing block would show it.
+/// Adds P^T diag(weights) P, where P has one row per mode. Uses plain loops: a library's product may fuse multiply and
+/// add on some machines only, which would be visible for a bouncing block.
 pub(super) fn add_gram(gram: &mut DMatrix<f64>, p: &DMatrix<f64>, weight: impl Fn(usize) -> f64) {
     let weights: Vec<f64> = (0..p.nrows()).map(weight).collect();
     for k in 0..p.ncols() {
@@ -350,11 +350,11 @@ pub(super) fn validate(
     contact_rate(bodies, supports, settings)
 }
 
-/// Refuses supports on which the bodies vibrate too fast for the step. The largest eigenvalue of
+/// Rejects supports on which the bodies vibrate too fast for the step. The largest eigenvalue of
 ///
 ///   K^(1/2) P^T P K^(1/2),  P over the modes that the step can follow,
 ///
-/// is the square of the highest angular frequency that only the supports would give the modes' inertia.
+/// is the square of the highest angular frequency of the modes' inertia on the supports alone.
 fn contact_rate(bodies: &[ModalBody], supports: &[Support], settings: &Settings) -> Result<(), TransientError> {
     let n = supports.len();
     if n == 0 {

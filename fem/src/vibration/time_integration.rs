@@ -1,4 +1,4 @@
-//! The march in time.
+//! Time integration.
 
 use nailnoise_quantities::Check;
 use nalgebra::DMatrix;
@@ -14,14 +14,14 @@ use super::system::{System, any_unilateral, validate};
 
 /// Response of one or two bodies to applied loads, on supports that can open.
 ///
-/// Every mode follows forces that are linear over a step exactly; the support forces at the end of a step are implicit
-/// in it. After the loads' record ends each load goes smoothly to its final value, and the run goes on until
-/// `settings.duration` or until the energy has fallen by `settings.decay`. The result does not depend on the number of
-/// threads.
+/// Every mode responds exactly to forces that are linear over a step; the support forces at the end of a step are
+/// implicit. After the record of the loads ends, each load changes smoothly to its final value. The run continues until
+/// `settings.duration` or until the energy has decreased by `settings.decay`. The result does not depend on the number
+/// of threads.
 ///
 /// # Errors
-/// [`TransientError`]. Sizes and values of the inputs, no static equilibrium at the start, supports too stiff for the
-/// step, a contact that is not found, supports that never touch.
+/// [`TransientError`] for invalid sizes or values of the inputs, no static equilibrium at the start, supports too stiff
+/// for the step, a contact problem without solution, or supports that never touch.
 pub fn respond(
     bodies: &[ModalBody],
     supports: &[Support],
@@ -50,7 +50,7 @@ pub(super) struct Run<'a> {
     start: Vec<ModalState>,
     unsupported: f64,
     all_supports: Vec<usize>,
-    /// Minus the support forces.
+    /// The negative support forces.
     back: Vec<f64>,
     pub(super) free: Vec<Lane>,
     pub(super) free_rate: Vec<Lane>,
@@ -66,7 +66,7 @@ pub(super) struct Run<'a> {
     /// q and q' at every [`MARK`]th sample.
     marks: Vec<[Vec<Lane>; 2]>,
     open_samples: usize,
-    /// Unilateral support that came nearest, and its gap.
+    /// Unilateral support that came closest, and its gap.
     nearest: (usize, f64),
     momentum_error: f64,
     pub(super) work: Work,
@@ -130,7 +130,7 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
-    /// Goes on from sample `first` to the end of the run.
+    /// Integrates from sample `first` to the end of the run.
     pub(super) fn march(
         mut self,
         mut watch: Watch,
@@ -149,7 +149,7 @@ impl<'a> Run<'a> {
         self.into_response(last, ending, &watch)
     }
 
-    /// Forces and ledgers at t = 0, and the prediction of the first step.
+    /// Computes forces and ledgers at t = 0, and the prediction for the first step.
     fn begin(&mut self) -> Result<(), TransientError> {
         let h = self.settings.step;
         self.project_supports(false);
@@ -183,7 +183,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// The step that ends at sample n.
+    /// Computes the step that ends at sample n.
     pub(super) fn advance(&mut self, n: usize) -> Result<(), TransientError> {
         let time = n as f64 * self.settings.step;
         self.project_supports(true);
@@ -202,7 +202,7 @@ impl<'a> Run<'a> {
         let c = &self.contact;
         self.contact_ledger.add(&c.force, &c.penetration, &c.rate);
         self.load_ledger.work += of_loads;
-        // The work of the supports on the bodies they do not take in.
+        // Work done by the supports on the bodies that they do not receive.
         self.contact_ledger.work -= of_supports;
         self.after(n);
         self.work.steps += 1;
@@ -213,13 +213,13 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// The state at sample n without support forces there.
+    /// Predicts the state at sample n without support forces there.
     pub(super) fn predict(&mut self, n: usize) {
         self.apply_loads(n);
         predict(self.arch, &self.system.coefficients, &mut self.state);
     }
 
-    /// Motion along the loads, and its rates, of the state that [`predict`](Self::predict) has left.
+    /// Motion along the loads, and its rates, of the state computed by [`predict`](Self::predict).
     pub(super) fn predicted_loads(&mut self) -> (Vec<f64>, Vec<f64>) {
         self.read_loads(true);
         let found = (self.load_motion.clone(), self.load_rate.clone());
@@ -227,7 +227,7 @@ impl<'a> Run<'a> {
         found
     }
 
-    /// Penetrations and rates of the predicted state, or of the present one.
+    /// Penetrations and rates of the predicted state, or of the current one.
     pub(super) fn project_supports(&mut self, predicted: bool) {
         let s = &self.state;
         let motion = if predicted {
@@ -246,7 +246,7 @@ impl<'a> Run<'a> {
         self.read_loads(false);
     }
 
-    /// Motion along the loads, and its rates, of the predicted state or of the present one.
+    /// Motion along the loads, and its rates, of the predicted state or of the current one.
     fn read_loads(&mut self, predicted: bool) {
         self.load_motion.fill(0.0);
         self.load_rate.fill(0.0);
@@ -335,7 +335,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Momentum of each rigid mode since t = 0 against the impulses of loads and supports, summed on their own.
+    /// Compares the momentum of each rigid mode since t = 0 with the separately summed impulses of loads and supports.
     fn check_momentum(&mut self) {
         for ((body, part), start) in self.bodies.iter().zip(&self.system.parts).zip(&self.start) {
             let velocity = self.state.v[part.lanes.clone()].as_flattened();
@@ -403,7 +403,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Net energy from the supports, over the peak of kinetic energy or work.
+    /// Net energy supplied by the supports, relative to the peak of kinetic energy or work.
     fn contact_least_lost(&self) -> f64 {
         let e = &self.energy;
         let least = e.contact_lost.iter().fold(0.0, |m: f64, x| m.min(*x));
@@ -436,11 +436,11 @@ fn starting_states(
     }
 }
 
-/// Watches the energy above the final equilibrium (or, without an equilibrium, the kinetic energy) fall.
+/// Monitors the decay of the energy above the final equilibrium (or, without an equilibrium, of the kinetic energy).
 pub(super) struct Watch {
     final_values: Vec<f64>,
     fall: f64,
-    /// Steps between looks.
+    /// Number of steps between checks.
     stride: usize,
     /// Potential energy of the final equilibrium.
     potential: Option<f64>,
@@ -470,7 +470,7 @@ impl Watch {
         }
     }
 
-    /// Looks at sample n, which has just been reached; what ends the run there, if anything.
+    /// Checks sample n, which has just been reached; returns the reason if the run ends there.
     pub(super) fn see(&mut self, run: &mut Run<'_>, n: usize, tapered: f64) -> Result<Option<Ending>, TransientError> {
         if !self.started {
             self.started = true;
@@ -500,11 +500,11 @@ impl Watch {
         }
     }
 
-    /// Level of the energy of entry k relative to the largest so far \[dB\].
+    /// Energy level of entry k, relative to the largest so far \[dB\].
     fn level(&mut self, run: &Run<'_>, k: usize) -> f64 {
         let energy = match self.potential {
             Some(lowest) => {
-                // The motion is that of the sample at hand: the first look, at t = 0, comes a step late for it.
+                // The motion is that of the current sample, except at t = 0, which is checked one step late.
                 let motion = if k == 0 { &run.first_motion } else { &run.load_motion };
                 let along: f64 = self.final_values.iter().zip(motion).map(|(f, u)| f * u).sum();
                 run.energy.mechanical(k) - along - lowest
@@ -515,7 +515,7 @@ impl Watch {
         10.0 * (energy.max(0.0) / self.largest).log10()
     }
 
-    /// Whether the energy has fallen far enough; kinetic energy swings, so it has to stay there for a while.
+    /// Whether the energy has decreased enough; since kinetic energy oscillates, it must stay low for a while.
     fn settled(&mut self, level: f64) -> bool {
         const STAY: usize = 20;
         let low = level <= -self.fall || self.largest == 0.0;

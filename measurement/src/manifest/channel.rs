@@ -1,4 +1,4 @@
-//! `[channels]` of a manifest: where the record of each channel is, and what its numbers are.
+//! `[channels]` of a manifest: where each channel is recorded, and what its numbers mean.
 
 use nailnoise_quantities::dimension::FREQUENCY;
 
@@ -27,16 +27,16 @@ const KEYS: [&str; 9] = [
     "calibrator",
 ];
 
-/// Most channels of a file.
+/// Largest number of channels in a file.
 const MOST_CHANNELS: usize = 65_535;
 
-/// What a channel is.
+/// Kind of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Microphone,
     Accelerometer,
     Pressure,
-    /// A switch, whose voltage starts the clock.
+    /// A switch, whose voltage marks the start of the shot.
     Trigger,
 }
 
@@ -55,7 +55,7 @@ impl Kind {
 pub(super) struct Channel {
     pub(super) name: String,
     pub(super) kind: Kind,
-    /// File with `{c}` and `{k}` for configuration and repeat.
+    /// File name, with `{c}` and `{k}` for configuration and repeat.
     pub(super) file: String,
     pub(super) selector: Selector,
     pub(super) calibration: Calibration,
@@ -63,7 +63,7 @@ pub(super) struct Channel {
     pub(super) position: Option<[f64; 3]>,
 }
 
-/// The number of a microphone's name: `mic` and digits.
+/// The number in a microphone's name: `mic` followed by digits.
 fn microphone(name: &str) -> Option<&str> {
     let digits = name.strip_prefix("mic")?;
     digits.chars().all(|digit| digit.is_ascii_digit()).then_some(digits)
@@ -106,7 +106,7 @@ impl Channel {
 
     /// The file of a shot, relative to the manifest.
     pub(super) fn file(&self, configuration: &str, repeat: usize) -> String {
-        // One pass, so that a name cannot hold a placeholder of its own.
+        // Replaced in one pass, so that a name cannot contain placeholders.
         let mut path = String::new();
         let mut rest = self.file.as_str();
         while let Some((before, mark, after)) = placeholder(rest) {
@@ -121,13 +121,13 @@ impl Channel {
         path
     }
 
-    /// Whether the file's name has a placeholder.
+    /// Whether the file name contains the placeholder.
     pub(super) fn has(&self, mark: &str) -> bool {
         placeholders(&self.file).any(|own| own == mark)
     }
 }
 
-/// The first `{mark}` of a text, with what is before and after it.
+/// The first `{mark}` in a text, with the text before and after it.
 fn placeholder(text: &str) -> Option<(&str, &str, &str)> {
     let (before, rest) = text.split_once('{')?;
     let (mark, after) = rest.split_once('}')?;
@@ -277,7 +277,7 @@ fn of_sensitivity(quantity: Quantity) -> &'static str {
 /// seismometers.
 const SENSITIVITIES: [f64; 2] = [1e-12, 1e3];
 
-/// Refuses a text without a unit: the number may be meant in V, in Pa or in dB.
+/// Rejects a text without a unit, because the number could be meant in V, Pa or dB.
 fn stated(table: &Keys<'_, '_>, key: &str, text: &str) -> Result<(), KeyError> {
     if text.trim().parse::<f64>().is_ok() {
         let help = "give the unit, as \"200 Pa\", \"500 g\", \"10 V\"; a sensitivity as \"50 mV/Pa\"";

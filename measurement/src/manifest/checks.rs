@@ -1,4 +1,4 @@
-//! What must hold between the keys of a manifest, and what lowers the value of a test.
+//! Consistency between the keys of a manifest, and conditions that reduce the value of a test.
 
 use std::path::Path;
 
@@ -14,21 +14,21 @@ use nailnoise_documents::{KeyError, Keys};
 /// 0.42 dB.
 const OFF_SURFACE: f64 = 0.05;
 
-/// Least distance between microphones \[m\]: twice the tolerance of a position. Those of EN 12549 are 0.7 m apart and
-/// more.
+/// Smallest distance between microphones \[m\]: twice the position tolerance. Those of EN 12549 are at least 0.7 m
+/// apart.
 const APART: f64 = 2.0 * OFF_SURFACE;
 
-/// Microphones of EN 12549.
+/// Number of microphones in EN 12549.
 const MICROPHONES: usize = 9;
 
-/// Shots of a configuration from which a mean has a useful uncertainty.
+/// Number of shots per configuration from which the uncertainty of a mean is useful.
 const REPEATS: usize = 5;
 
-/// What each configuration measures, by its number less one.
+/// What each configuration measures, indexed by its number minus one.
 const MEASURED: [&str; 5] = ["the total", "the residual", "the exhaust", "the body", "the workpiece"];
 
-/// Distance of a point from the five faces of the box that are no reflecting plane \[m\]; `point` is relative to the
-/// foot of the box on the plane.
+/// Distance of a point from the five faces of the box other than the reflecting plane \[m\]; `point` is relative to the
+/// base of the box on the plane.
 fn distance(surface: &Iso3744Box, point: [f64; 3]) -> f64 {
     let [a, b, c] = surface.sides;
     let [x, y, z] = point;
@@ -42,7 +42,7 @@ fn distance(surface: &Iso3744Box, point: [f64; 3]) -> f64 {
     -over.into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// There are microphones, and they are on the measurement surface above the reflecting plane.
+/// Checks that there are microphones, and that they are on the measurement surface above the reflecting plane.
 pub(super) fn microphones(root: &Keys<'_, '_>, manifest: &Manifest) -> Result<(), KeyError> {
     let [x, y, z] = manifest.centre;
     let height = z - manifest.plane;
@@ -110,7 +110,7 @@ pub(super) fn microphones(root: &Keys<'_, '_>, manifest: &Manifest) -> Result<()
     Ok(())
 }
 
-/// Names of channels are written into tables and onto pages and terminals: each is of plain characters.
+/// Checks that channel names, which appear in tables, pages and terminals, consist of plain characters.
 pub(super) fn names(channels: &[Channel], root: &Keys<'_, '_>) -> Result<(), KeyError> {
     let plain = |letter: char| {
         letter.is_alphanumeric() || matches!(letter, ' ' | '_' | '-' | '.' | '/' | '(' | ')' | '+' | '#')
@@ -129,7 +129,7 @@ pub(super) fn names(channels: &[Channel], root: &Keys<'_, '_>) -> Result<(), Key
     Ok(())
 }
 
-/// Channels that read the same channel of the same file.
+/// Finds channels that read the same channel of the same file.
 fn shared(manifest: &Manifest) -> Vec<String> {
     let mut found: Vec<(&Channel, Vec<&str>)> = Vec::new();
     for own in &manifest.channels {
@@ -153,7 +153,7 @@ fn shared(manifest: &Manifest) -> Vec<String> {
         .collect()
 }
 
-/// The residual is there where it is to be subtracted.
+/// Checks that the residual is present if it is to be subtracted.
 pub(super) fn residual(root: &Keys<'_, '_>, manifest: &Manifest) -> Result<(), KeyError> {
     let has = |number: usize| manifest.configurations.iter().find(|own| own.number == number);
     let subtracted = (3..=5).find_map(has);
@@ -174,7 +174,7 @@ pub(super) fn residual(root: &Keys<'_, '_>, manifest: &Manifest) -> Result<(), K
     }
 }
 
-/// Each shot has its own file or, by `{c}` and `{k}`, its own name.
+/// Checks that each shot has its own file or, through `{c}` and `{k}`, its own name.
 pub(super) fn placeholders(root: &Keys<'_, '_>, manifest: &Manifest) -> Result<(), KeyError> {
     let several = manifest.configurations.len() > 1;
     let repeated = manifest.configurations.iter().any(|own| own.repeats > 1);
@@ -196,7 +196,7 @@ pub(super) fn placeholders(root: &Keys<'_, '_>, manifest: &Manifest) -> Result<(
     Ok(())
 }
 
-/// A recording is there and is a file.
+/// Checks that a recording exists and is a regular file.
 pub(super) fn is_file(path: &Path, channel: &str) -> Result<(), MeasurementError> {
     let refuse = |error: &std::io::Error| Err(unreadable(path, channel, error));
     match std::fs::metadata(path) {
@@ -206,7 +206,7 @@ pub(super) fn is_file(path: &Path, channel: &str) -> Result<(), MeasurementError
     }
 }
 
-/// What lowers the value of the test without forbidding it.
+/// Conditions that reduce the value of the test without invalidating it.
 pub(super) fn warnings(manifest: &Manifest) -> Vec<String> {
     let mut warnings = Vec::new();
     for own in manifest.configurations.iter().filter(|own| own.repeats < REPEATS) {
@@ -230,7 +230,7 @@ pub(super) fn warnings(manifest: &Manifest) -> Vec<String> {
         ));
     }
     warnings.extend(shared(manifest));
-    // A switch may run at full scale.
+    // A switch may reach full scale.
     let unlimited = manifest
         .channels
         .iter()

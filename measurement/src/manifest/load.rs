@@ -1,4 +1,4 @@
-//! Manifests from their files.
+//! Reads manifests from files.
 
 use std::path::Path;
 
@@ -12,40 +12,40 @@ use super::{Configuration, Manifest, Microphone, Setup, Trigger, checks};
 use crate::error::MeasurementError;
 use crate::recordings::{Calibrator, Quantity, Source, read, refuse};
 
-/// The largest manifest that is read \[byte\].
+/// Largest manifest accepted \[byte\].
 const LARGEST: u64 = 1 << 20;
 
 /// Standard atmosphere \[Pa\] (ISO 2533).
 const STANDARD_PRESSURE: f64 = 101_325.0;
 
-/// Temperatures of the air in a room or outdoors \[K\].
+/// Range of air temperatures in a room or outdoors \[K\].
 const TEMPERATURES: [f64; 2] = [233.15, 333.15];
 
-/// Static pressures of the air where people work \[Pa\].
+/// Range of static air pressures at workplaces \[Pa\].
 const PRESSURES: [f64; 2] = [50e3, 110e3];
 
-/// Specific gas constants and ratios of specific heats of gases, those that a design may have \[J/(kg K), -\].
+/// Ranges of the specific gas constant and heat capacity ratio, the same as in a design \[J/(kg K), -\].
 const GAS_CONSTANTS: [f64; 2] = [50.0, 5000.0];
 const HEAT_RATIOS: [f64; 2] = [1.01, 1.7];
 
-/// Equivalent absorption areas of rooms \[m²\].
+/// Range of equivalent absorption areas of rooms \[m²\].
 const ABSORPTIONS: [f64; 2] = [0.1, 1e6];
 
-/// Coordinates of the machine \[m\].
+/// Range of the machine's coordinates \[m\].
 const PLACES: [f64; 2] = [-1e3, 1e3];
 
-/// Heights of a reflecting plane, and of the sand above the floor \[m\].
+/// Range of heights of the reflecting plane, and of the sand above the floor \[m\].
 const HEIGHTS: [f64; 2] = [-10.0, 10.0];
 
-/// Repeats of a configuration at most.
+/// Largest number of repeats per configuration.
 const MOST_REPEATS: usize = 1000;
 
-/// Longest time before a trigger \[s\].
+/// Longest time before the trigger \[s\].
 const LATEST: f64 = 1e3;
 
 impl Manifest {
-    /// Reads a manifest, checks that all its recordings are there, reads those of calibrators and the rate of the first
-    /// one.
+    /// Reads a manifest, checks that all its recordings exist, and reads the calibrator recordings and the sampling
+    /// rate of the first recording.
     ///
     /// # Errors
     /// [`MeasurementError`] with file, line and key, or with file and channel.
@@ -68,7 +68,8 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Reads the text of a manifest; no recording is opened. `path` is for messages and its folder for the recordings.
+    /// Parses the text of a manifest without opening recordings. `path` is for messages, and its folder is where
+    /// recordings are found.
     ///
     /// # Errors
     /// [`MeasurementError::Document`] or [`MeasurementError::Manifest`].
@@ -147,7 +148,7 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// All recordings are there, and are files.
+    /// Checks that all recordings exist and are regular files.
     fn find_files(&self) -> Result<(), MeasurementError> {
         for configuration in &self.configurations {
             for repeat in 1..=configuration.repeats {
@@ -159,7 +160,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// Reads the records of calibrators.
+    /// Reads the calibrator recordings.
     fn calibrate(&mut self) -> Result<(), MeasurementError> {
         let folder = self.path.with_file_name("");
         for channel in &mut self.channels {

@@ -1,4 +1,4 @@
-//! `MANIFEST.toml`: which recordings a test made, and what their numbers mean.
+//! `MANIFEST.toml`: lists the recordings of a test and what their numbers mean.
 //!
 //! ```toml
 //! setup = "worktable"                # or "sandbox"
@@ -28,7 +28,7 @@ use self::channel::{Channel, Kind};
 use super::error::MeasurementError;
 use super::recordings::{Fault, Shot, Signals, Source, crossing, dead, read_shot};
 
-/// Number of the configuration with everything wrapped.
+/// Number of the configuration in which everything is wrapped.
 const RESIDUAL: usize = 2;
 
 /// What the workpiece stands on.
@@ -50,7 +50,7 @@ impl Setup {
         }
     }
 
-    /// Name of its configuration with a number from 1: `W-1`.
+    /// Name of its configuration with the given number, from 1: `W-1`.
     pub fn configuration(self, number: usize) -> String {
         match self {
             Self::Worktable => format!("W-{number}"),
@@ -64,11 +64,11 @@ impl Setup {
 pub struct Microphone {
     /// `mic1` to `mic9`, the numbers of EN 12549.
     pub name: String,
-    /// Its position in the axes of [`Manifest::centre`] \[m\].
+    /// Its position in the coordinates of [`Manifest::centre`] \[m\].
     pub position: [f64; 3],
 }
 
-/// When a shot begins.
+/// How the start of a shot is determined.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Trigger {
     /// At a time from the record's start \[s\].
@@ -77,7 +77,7 @@ pub enum Trigger {
     Channel {
         /// Its name.
         name: String,
-        /// The threshold in the SI unit of the channel: V of a trigger, else Pa or m/s².
+        /// The threshold in the SI unit of the channel: V for a trigger, else Pa or m/s².
         threshold: f64,
     },
 }
@@ -91,11 +91,11 @@ pub struct Configuration {
     pub number: usize,
     /// Number of shots.
     pub repeats: usize,
-    /// When they begin.
+    /// How the start of a shot is determined.
     pub trigger: Trigger,
 }
 
-/// A test by its manifest.
+/// A test as described by its manifest.
 #[derive(Debug, Clone)]
 pub struct Manifest {
     /// The file.
@@ -116,29 +116,30 @@ pub struct Manifest {
     pub heat_capacity_ratio: f64,
     /// Equivalent absorption area of the room \[m²\]; none outdoors or in a semi-anechoic room.
     pub absorption: Option<f64>,
-    /// The microphones by their numbers.
+    /// The microphones in the order of their numbers.
     pub microphones: Vec<Microphone>,
     /// Names of the accelerometers, in the order of the file.
     pub accelerometers: Vec<String>,
     /// Names of the pressure transducers, in the order of the file.
     pub pressures: Vec<String>,
-    /// The configurations by their numbers.
+    /// The configurations in the order of their numbers.
     pub configurations: Vec<Configuration>,
-    /// What lowers the value of the test without forbidding it.
+    /// Conditions that reduce the value of the test without invalidating it.
     pub warnings: Vec<String>,
     /// All channels, in the order of the file.
     channels: Vec<Channel>,
-    /// Sampling rate of the first recording \[Hz\], which all others have, and its file.
+    /// Sampling rate of the first recording \[Hz\], which all others must have, and its file.
     rate: Option<(f64, PathBuf)>,
 }
 
 impl Manifest {
     /// Reads one shot: `configuration` is an index into [`Self::configurations`], `repeat` counts from 0.
     ///
-    /// Each file is read once; all channels are cut to the shortest one.
+    /// Each file is read once; all channels are truncated to the shortest one.
     ///
     /// # Errors
-    /// [`MeasurementError::NoShot`]; a recording that cannot be read or used, with file, channel and value.
+    /// [`MeasurementError::NoShot`]; or an error for a recording that cannot be read or used, with file, channel and
+    /// value.
     pub fn shot(&self, configuration: usize, repeat: usize) -> Result<Shot, MeasurementError> {
         let Some(own) = self
             .configurations
@@ -198,8 +199,9 @@ impl Manifest {
     }
 }
 
-/// Every microphone, accelerometer and pressure transducer has a signal. With everything wrapped, in configuration 2,
-/// all microphones together may have none, as in a virtual test of perfect wraps without background noise.
+/// Checks that every microphone, accelerometer and pressure transducer has a signal. In configuration 2, with
+/// everything wrapped, all microphones together may be silent, as in a virtual test with perfect wraps and without
+/// background noise.
 fn alive(channels: &[(PathBuf, Channel)], signals: &Signals, configuration: usize) -> Result<(), MeasurementError> {
     let fault = |index: usize| dead(&signals.channels[index], channels[index].1.kind.quantity().unit());
     let is_microphone = |index: &usize| channels[*index].1.kind == Kind::Microphone;

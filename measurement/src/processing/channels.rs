@@ -1,4 +1,4 @@
-//! What is odd about single channels of a test: a level far from those of the other microphones, a constant part.
+//! Anomalies of individual channels: a level far from those of the other microphones, a constant offset.
 
 use nailnoise_acoustics::signals::REFERENCE_PRESSURE;
 
@@ -7,15 +7,15 @@ use crate::recordings::Shot;
 use crate::wrapping::Configuration;
 use nailnoise_quantities::rounded;
 
-/// Largest difference of a microphone's level from the median of all \[dB\]. Distances from the centre of 1 to 1.73 m
-/// explain 5 dB, the directivity of a tool with an exhaust 5 to 8 dB; a sensor with a broken cable or with the
-/// sensitivity of another one differs by more.
+/// Largest difference of a microphone's level from the median of all \[dB\]. Distances of 1 to 1.73 m from the centre
+/// explain 5 dB, the directivity of a tool with an exhaust 5 to 8 dB; a sensor with a broken cable or a wrong
+/// sensitivity differs by more.
 const SPREAD: f64 = 15.0;
 
-/// Least constant part of a record, relative to its peak, that is stated. It is removed in any case.
+/// Smallest constant offset of a record, relative to its peak, that is reported. It is removed in any case.
 const OFFSET: f64 = 0.01;
 
-/// A finding about a channel in one configuration, and in how many of its repeats.
+/// A finding about a channel in one configuration, and the number of repeats in which it occurs.
 struct Finding {
     configuration: Configuration,
     channel: String,
@@ -48,7 +48,7 @@ impl<'a> ChannelChecks<'a> {
         }
     }
 
-    /// Removes the constant parts of a shot and records what is odd about its channels.
+    /// Removes constant offsets from a shot, and records anomalies of its channels.
     pub(super) fn see(&mut self, configuration: Configuration, shot: &mut Shot) {
         let peaks = |records: &[Vec<f64>]| records.iter().map(|record| peak(record)).collect::<Vec<f64>>();
         let (pressures, accelerations) = (peaks(&shot.microphones), peaks(&shot.accelerations));
@@ -84,14 +84,14 @@ impl<'a> ChannelChecks<'a> {
         };
         for (name, level) in self.arrangement.microphone_names.iter().zip(&levels) {
             let difference = level - median;
-            // Two microphones do not show which of them is wrong; the first is named.
+            // With two microphones, it is unknown which one is wrong; the first is named.
             if difference.abs() > SPREAD {
                 add(&mut self.found, configuration, name, Kind::Level, difference);
             }
         }
     }
 
-    /// The findings in words: levels by channel, constant parts of all channels of a configuration together.
+    /// Describes the findings: levels by channel, and the offsets of all channels of a configuration together.
     pub(super) fn notes(&self) -> Vec<String> {
         let name = |own: &Finding| self.arrangement.setup.configuration(own.configuration.number());
         let levels = self.found.iter().filter(|own| own.kind == Kind::Level).map(|own| {

@@ -19,7 +19,7 @@ use shots::{Context, ProcessedShot, Residual};
 use summary::Summary;
 pub use summary::{LEAST_REPEATS, Recorded};
 
-/// Largest delay between shots that is looked for \[s\].
+/// Largest delay between shots considered \[s\].
 const MOST_DELAY: f64 = 0.02;
 
 /// The corrected signals of one shot of a source.
@@ -31,11 +31,11 @@ pub struct CorrectedShot {
     pub repeat: usize,
     /// Sampling rate \[1/s\].
     pub rate: f64,
-    /// Pressure at each microphone from 10 ms before the trigger on \[Pa\].
+    /// Pressure at each microphone from 10 ms before the trigger onwards \[Pa\].
     pub microphones: Vec<Vec<f64>>,
 }
 
-/// What a test measured, with signals.
+/// Results of a test, with signals.
 pub struct Measured {
     /// Levels.
     pub result: MeasurementResult,
@@ -47,11 +47,11 @@ pub struct Measured {
     pub transducers: Vec<String>,
 }
 
-/// Processes the recordings that a manifest names. `read` is called after each shot with the number of shots read and
-/// the number of all. `keep` is called with the corrected signals of each shot of a source.
+/// Processes the recordings listed in a manifest. `read` is called after each shot with the number of shots read and
+/// the total number. `keep` is called with the corrected signals of each shot of a source.
 ///
 /// # Errors
-/// Those of the recordings and of `keep`; as [`process`].
+/// Those of the recordings, of `keep` and of [`process`].
 pub fn process_recordings<E: From<MeasurementError>>(
     manifest: &Manifest,
     arrangement: &Arrangement,
@@ -79,8 +79,8 @@ pub fn process_recordings<E: From<MeasurementError>>(
     process(arrangement, processing, &recorded, shot, keep)
 }
 
-/// Processes a test. `shot` reads a configuration's repeat, counted from 0; `keep` takes the corrected signals of each
-/// shot of a source.
+/// Processes a test. `shot` reads a repeat, counted from 0, of a configuration; `keep` receives the corrected signals
+/// of each shot of a source.
 ///
 /// # Errors
 /// Those of `shot` and `keep`; [`MeasurementError::Shot`] for markers in the wrong order.
@@ -98,7 +98,7 @@ pub fn process<E: From<MeasurementError>>(
     let mut reference: Option<Vec<f64>> = None;
     let mut all: Vec<(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>)> = Vec::new();
     let mut checks = ChannelChecks::new(arrangement);
-    // The residual first: the others need it. The delays refer to the first shot that is read.
+    // The residual comes first, because the others need it. Delays refer to the first shot read.
     let mut order: Vec<Recorded> = recorded.to_vec();
     order.sort_by_key(|one| (one.configuration != Configuration::Residual, one.configuration));
     for one in order {

@@ -1,5 +1,5 @@
-//! One shot: lines at each microphone, the residual subtracted, energies by band and interval, markers and
-//! accelerations.
+//! Processing of one shot: lines at each microphone, subtraction of the residual, energies by band and interval,
+//! markers and accelerations.
 
 use nalgebra::Complex;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ pub struct ShotSignals {
     pub configuration: Configuration,
     /// Sampling rate \[1/s\].
     pub rate: f64,
-    /// Pressure at the first microphone from 10 ms before the trigger on \[Pa\].
+    /// Pressure at the first microphone from 10 ms before the trigger onwards \[Pa\].
     pub microphone: Vec<f64>,
     /// Acceleration of each accelerometer over the same time \[m/s2\].
     pub accelerations: Vec<Vec<f64>>,
@@ -33,7 +33,7 @@ pub struct ShotSignals {
 pub(super) struct Energies {
     pub(super) whole: f64,
     pub(super) bands: Vec<f64>,
-    /// Markers on either side, their instants \[s\], and the energy between them.
+    /// The markers on either side, their times \[s\], and the energy between them.
     pub(super) intervals: Vec<IntervalEnergy>,
 }
 
@@ -54,16 +54,16 @@ pub(super) struct ProcessedShot {
     pub(super) accelerations: Vec<(f64, f64)>,
     /// Time from the record's start to the trigger \[s\].
     pub(super) lead: f64,
-    /// Time after the trigger at which the microphones place the burst of t12 at the device's centre \[s\]; none where
-    /// the body is wrapped or t12 is missing.
+    /// Time after the trigger at which the burst of t12 occurs at the device's centre, according to the microphones
+    /// \[s\]; none if the body is wrapped or t12 is missing.
     pub(super) arrival: Option<f64>,
 }
 
-/// Residual of a test: mean squares of the lines at each microphone, of all shots or shot by shot.
+/// Residual of a test: mean squares of the lines at each microphone, averaged over all shots or for each shot.
 pub(super) struct Residual {
     /// By repeat (one for the mean), microphone and line \[Pa2 s2\].
     pub(super) squares: Vec<Vec<Vec<f64>>>,
-    /// Shots behind each.
+    /// Number of shots behind each mean.
     pub(super) shots: u32,
 }
 
@@ -73,7 +73,7 @@ impl Residual {
     }
 }
 
-/// What all shots of a test share.
+/// Data shared by all shots of a test.
 pub(super) struct Context<'a> {
     pub(super) arrangement: &'a Arrangement,
     pub(super) processing: Processing,
@@ -118,7 +118,8 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Energies of a shot of a configuration, raw and less a residual, and its corrected signals.
+    /// Energies of a shot of a configuration, as recorded and after subtraction of a residual, and its corrected
+    /// signals.
     pub(super) fn process(
         &self,
         configuration: Configuration,
@@ -179,7 +180,7 @@ impl<'a> Context<'a> {
         (found.into_iter().map(|own| own.0).collect(), share)
     }
 
-    /// Mean exposures over the microphones; intervals need the signals.
+    /// Mean exposures over the microphones; those of intervals need the signals.
     fn energies(&self, lines: &[Vec<Complex<f64>>], signals: Option<&[Vec<f64>]>, markers: &Markers) -> Energies {
         let of = |lines: &Vec<Complex<f64>>| (self.bands.energy(lines), self.bands.band_energies(lines));
         let found: Vec<_> = lines.par_iter().map(of).collect();
@@ -195,7 +196,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Energies between consecutive markers. The signal of each microphone is shifted back by its travel time.
+    /// Energies between consecutive markers. The signal of each microphone is advanced by its travel time.
     fn intervals(&self, signals: &[Vec<f64>], markers: &Markers) -> Vec<IntervalEnergy> {
         let found = markers.found();
         let rate = self.transform.df() * self.transform.samples() as f64;

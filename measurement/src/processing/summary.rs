@@ -1,4 +1,4 @@
-//! What all shots of a test give together: levels with uncertainty, sources, bound, closure, notes.
+//! Combined results of all shots of a test: levels with uncertainty, sources, bound, closure, notes.
 
 use super::shots::{Energies, IntervalEnergy, ProcessedShot};
 use crate::arrangement::Arrangement;
@@ -12,7 +12,7 @@ use crate::result::{
 use crate::subtraction::{SURVEY_LIMIT_DB, expected_energy};
 use crate::wrapping::{Configuration, Role};
 
-/// Fewest repeats of a test (EN 12549).
+/// Smallest number of repeats in a test (EN 12549).
 pub const LEAST_REPEATS: usize = 5;
 
 /// A configuration that was recorded.
@@ -24,10 +24,10 @@ pub struct Recorded {
     pub repeats: usize,
 }
 
-/// Level above the residual below which a source is not measured \[dB\].
+/// Level above the residual below which a source counts as not measured \[dB\].
 const LEAST_ABOVE: f64 = 3.0;
 
-/// Largest difference of travel times to a microphone between parts of the device and its centre \[s\].
+/// Largest difference between the travel times to a microphone from parts of the device and from its centre \[s\].
 const PATHS: f64 = 1.5e-3;
 
 /// Processed shots of all configurations.
@@ -38,7 +38,7 @@ pub(super) struct Summary<'a> {
     /// Nominal mid-band frequencies \[Hz\].
     pub(super) hz: Vec<f64>,
     pub(super) residual_shots: u32,
-    /// What is odd about single channels.
+    /// Anomalies of individual channels.
     pub(super) channels: Vec<String>,
     pub(super) all: Vec<(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>)>,
 }
@@ -124,7 +124,7 @@ impl Summary<'_> {
         intervals
     }
 
-    /// Energies as recorded, averaged over microphones and repeats: of the whole range, and of each band.
+    /// Energies as recorded, averaged over microphones and repeats: for the complete range and for each band.
     fn mean_raw(&self, configuration: Configuration) -> Option<(f64, Vec<f64>)> {
         let (_, shots, _) = self.all.iter().find(|(one, ..)| one.configuration == configuration)?;
         let count = shots.len() as f64;
@@ -213,7 +213,7 @@ impl Summary<'_> {
         })
     }
 
-    /// The total: as recorded, or less the residual where that is asked for.
+    /// The total: as recorded, or minus the residual if requested.
     fn totals(&self) -> Option<Vec<&Energies>> {
         let (_, shots, _) = self
             .all

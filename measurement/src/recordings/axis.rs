@@ -1,14 +1,14 @@
-//! Even time axes of samples, and the sample at which one is not even.
+//! Uniform time axes, and the first sample that is not uniform.
 
 use super::fault::Fault;
 use super::{EVENNESS, SAME_RATE};
 
-/// Samples of an even piece from which its step is known.
+/// Number of samples in a uniform section from which its step can be determined.
 const PIECE: usize = 3;
 
-/// Rate and first time of an even time axis \[s\].
+/// Sampling rate and first time of a uniform time axis \[s\].
 ///
-/// A rate within the six digits of a universal file of a whole number is that number.
+/// A rate that equals an integer within the six digits of a universal file is rounded to it.
 pub(super) fn even_axis(times: &[f64]) -> Result<(f64, f64), Fault> {
     let [start, .., end] = times else {
         return Err(Fault::Empty { samples: times.len() });
@@ -21,8 +21,8 @@ pub(super) fn even_axis(times: &[f64]) -> Result<(f64, f64), Fault> {
     Err(uneven(times))
 }
 
-/// The first sample that is off the even axis of those before it; of those behind it, where there are too few before
-/// it.
+/// The first sample that deviates from the uniform axis of the preceding samples or, if these are too few, of the
+/// following ones.
 fn uneven(times: &[f64]) -> Fault {
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
@@ -50,14 +50,14 @@ fn uneven(times: &[f64]) -> Fault {
             fault(last - behind, times[last] - away)
         }
         (Some((index, away)), _) => fault(index, times[0] + away),
-        // Rounded times whose errors lie just within the limit as seen from one end.
+        // Rounded times whose errors are just within the limit as seen from one end.
         (None, _) => fault(last, times[0] + median * last as f64),
     }
 }
 
-/// The first of the indices 1 to `last` whose distance from index 0 is not a step times the index, and the distance
-/// expected there. The steps that explain all distances up to an index are an interval, which each further index
-/// narrows.
+/// The first of the indices 1 to `last` whose distance from index 0 is not a multiple of the step, and the distance
+/// expected there. The steps that are consistent with all distances up to an index form an interval, which each further
+/// index narrows.
 fn piece(median: f64, last: usize, distance: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
     let (mut low, mut high) = (0.5 * median, 1.5 * median);
     let mut step = median;
@@ -86,7 +86,7 @@ fn nominal(rate: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Number and expected time of the sample that is off.
+    /// Index and expected time of the first deviating sample.
     fn off(times: &[f64]) -> (usize, f64) {
         match even_axis(times) {
             Err(Fault::Uneven { sample, expected, .. }) => (sample, expected),

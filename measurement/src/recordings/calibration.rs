@@ -1,4 +1,4 @@
-//! From the numbers of a file to Pa and m/s²: sensitivities, full scales, units and calibrators.
+//! Converts the numbers of a file to Pa and m/s²: sensitivities, full scales, units and calibrators.
 
 use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
 use nailnoise_quantities::dimension::{
@@ -45,7 +45,7 @@ impl Quantity {
         }
     }
 
-    /// Units that may be given, for remedies.
+    /// Accepted units, for remedies.
     pub fn examples(self) -> &'static str {
         match self {
             Self::Pressure => "Pa, kPa",
@@ -54,10 +54,10 @@ impl Quantity {
         }
     }
 
-    /// A text as a value in SI units; `g` is the standard acceleration of free fall.
+    /// Parses a text as a value in SI units; `g` is the standard acceleration of free fall.
     ///
     /// # Errors
-    /// What is wrong with the text.
+    /// A description of the error in the text.
     pub fn read(self, text: &str) -> Result<f64, String> {
         let falls = (self == Self::Acceleration)
             .then(|| text.trim().strip_suffix('g'))
@@ -79,7 +79,7 @@ impl Quantity {
         }
     }
 
-    /// With its article, for messages.
+    /// Its name with an article, for messages.
     fn noun(self) -> &'static str {
         match self {
             Self::Pressure => "a pressure",
@@ -88,7 +88,7 @@ impl Quantity {
         }
     }
 
-    /// Its value of one unit, by a label of an instrument.
+    /// The value of one unit, given an instrument's label.
     fn of_unit(self, unit: &str) -> Result<f64, String> {
         let falls = self == Self::Acceleration && spelled(unit) == "g";
         if falls {
@@ -97,7 +97,8 @@ impl Quantity {
         si_of(unit, self.dimension())
     }
 
-    /// What a label says of another quantity than this one or the voltage before it; none for what is no unit.
+    /// What a label says about a different quantity than this one or the sensor's voltage; none for a label that is not
+    /// a unit.
     fn contradicted_by(self, label: &str) -> Option<String> {
         if spelled(label).to_lowercase().starts_with("db") {
             return Some(format!("levels, in \"{label}\""));
@@ -109,10 +110,10 @@ impl Quantity {
         })
     }
 
-    /// A sensitivity, as "50 mV/Pa" or "10 mV/g", in V per SI unit.
+    /// Parses a sensitivity, such as "50 mV/Pa" or "10 mV/g", in V per SI unit.
     ///
     /// # Errors
-    /// What is wrong with the text.
+    /// A description of the error in the text.
     pub fn sensitivity(self, text: &str) -> Result<f64, String> {
         match (self, text.trim().strip_suffix("/g")) {
             (Self::Pressure, _) => measure(text, VOLTAGE_PER_PRESSURE),
@@ -123,16 +124,16 @@ impl Quantity {
     }
 }
 
-/// The input that makes the largest number of a recorder.
+/// The input that produces a recorder's largest number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FullScale {
-    /// In V, behind a sensor with a sensitivity.
+    /// In V, after a sensor with a known sensitivity.
     Volts(f64),
     /// In the channel's quantity, in SI units.
     Quantity(f64),
 }
 
-/// A record of a calibrator on a microphone or an accelerometer.
+/// A calibrator recording for a microphone or an accelerometer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibrator {
     /// The file, relative to the manifest.
@@ -143,7 +144,7 @@ pub struct Calibrator {
     pub rms: f64,
     /// Frequency of the tone \[Hz\].
     pub frequency: f64,
-    /// SI units per number of the file, when the record has been read.
+    /// SI units per number of the file, once the recording has been read.
     pub factor: Option<f64>,
 }
 
@@ -156,20 +157,20 @@ pub struct Calibration {
     pub full_scale: Option<FullScale>,
     /// Unit of the file's numbers.
     pub unit: Option<String>,
-    /// Record of a calibrator.
+    /// Calibrator recording.
     pub calibrator: Option<Calibrator>,
 }
 
-/// How the numbers of a track become SI units.
+/// How the numbers of a track are converted to SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// SI units per number.
     pub(super) factor: f64,
-    /// Full scale as a number of the file, where it is known.
+    /// Full scale as a number of the file, if known.
     pub(super) full: Option<f64>,
 }
 
-/// A unit of the quantity, or of the voltage before it.
+/// A unit of the quantity, or of the sensor's voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Unit {
     Quantity(f64),
@@ -195,12 +196,12 @@ impl Calibration {
     /// Checks a unit of the manifest.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// A description of the error.
     pub fn check_unit(unit: &str, quantity: Quantity) -> Result<(), String> {
         Unit::read(unit, quantity).map(drop)
     }
 
-    /// Whether the recorder's full scale is known for numbers in a unit, so that a clipped record is recognised.
+    /// Whether the recorder's full scale is known, so that clipping can be detected.
     pub fn limited(&self) -> bool {
         self.full_scale.is_some() || self.calibrator.is_some()
     }
@@ -255,7 +256,7 @@ impl Calibration {
         }
     }
 
-    /// The unit by the manifest and by the file; they agree.
+    /// The unit according to the manifest and the file, which must agree.
     fn unit(&self, track: &Track, quantity: Quantity) -> Result<Option<Unit>, Fault> {
         let label = (!track.unit.is_empty()).then(|| Unit::read(&track.unit, quantity));
         let Some(given) = &self.unit else {
@@ -269,7 +270,7 @@ impl Calibration {
             problem,
         })?;
         match label {
-            // A label that is no unit, as "EU", contradicts nothing.
+            // A label that is not a unit, such as "EU", contradicts nothing.
             Some(Ok(label)) if label.differs(given_unit) => Err(Fault::UnitsDiffer {
                 manifest: given.clone(),
                 file: track.unit.clone(),
@@ -279,7 +280,7 @@ impl Calibration {
     }
 }
 
-/// Refuses a track that the file states to be of another quantity, whatever the manifest says of its numbers.
+/// Rejects a track that the file declares to be a different quantity, whatever the manifest states about its numbers.
 fn contradiction(track: &Track, quantity: Quantity) -> Result<(), Fault> {
     let refuse = |found: String| {
         Err(Fault::OtherQuantity {
@@ -290,7 +291,7 @@ fn contradiction(track: &Track, quantity: Quantity) -> Result<(), Fault> {
     if let Some(found) = quantity.contradicted_by(&track.unit) {
         return refuse(found);
     }
-    // A label that is read counts more than the data type, which many programs leave at a default.
+    // A label that can be parsed takes precedence over the data type, which many programs leave at a default.
     let labelled = Unit::read(&track.unit, quantity).is_ok();
     match track.measures.filter(|own| !labelled && *own != quantity.dimension()) {
         Some(other) => refuse(format!("{other} by its specific data type")),
@@ -298,10 +299,10 @@ fn contradiction(track: &Track, quantity: Quantity) -> Result<(), Fault> {
     }
 }
 
-/// RMS in SI units of a calibrator's level: "94 dB" re 20 uPa, or an RMS as "10 m/s2".
+/// RMS value of a calibrator's level in SI units: "94 dB" re 20 uPa, or an RMS value such as "10 m/s2".
 ///
 /// # Errors
-/// What is wrong with the text.
+/// A description of the error in the text.
 pub fn calibrator_rms(text: &str, quantity: Quantity) -> Result<f64, String> {
     let Some(level) = text.trim().strip_suffix("dB") else {
         return quantity.read(text);
@@ -317,25 +318,25 @@ pub fn calibrator_rms(text: &str, quantity: Quantity) -> Result<f64, String> {
     }
 }
 
-/// Half width of the band of a calibrator's tone, relative: twice the tolerance of a class 2 calibrator (2 %, IEC
+/// Relative half width of the band around a calibrator's tone: twice the tolerance of a class 2 calibrator (2 %, IEC
 /// 60942).
 const TONE: f64 = 0.04;
 
-/// Least share of the record's energy, without its mean, within the band of the tone.
+/// Smallest share of the record's energy, without its mean, that must be in the band of the tone.
 const PURITY: f64 = 0.5;
 
-/// Least duration of a calibrator's record \[s\].
+/// Smallest duration of a calibrator recording \[s\].
 const TONE_DURATION: f64 = 0.5;
 
 impl Calibrator {
-    /// SI units per number of a calibrator's record: the RMS of its tone by the energy within the tone's band of the
-    /// Hann-windowed record w x,
+    /// SI units per number of a calibrator recording: the RMS of its tone from the energy of the Hann-windowed record w
+    /// x in the tone's band,
     ///
     /// ```text
     /// rms^2 = 2 sum_f |X(f)|^2 df / (dt sum w^2)
     /// ```
     ///
-    /// so that noise and harmonics of the calibrator do not count, and its frequency need not be exact.
+    /// so that noise and harmonics of the calibrator do not matter, and its frequency need not be exact.
     pub fn measured(&self, track: &Track) -> Result<f64, Fault> {
         let duration = track.samples.len() as f64 / track.rate;
         if duration < TONE_DURATION {

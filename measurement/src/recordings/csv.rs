@@ -1,7 +1,7 @@
-//! Tables: a heading for each column, a column of times, a column for each channel.
+//! Tables: each column has a heading; one column contains times, the others channels.
 //!
-//! The column of times has the heading `t`, or one that begins with `time`; else it is the only one in a unit of time.
-//! A heading may end with a unit, `time [ms]`, `time_ms`, `N (g)`, or have it in the row below.
+//! The time column has the heading `t` or one that begins with `time`; otherwise it is the only column in a unit of
+//! time. A heading may include a unit, as in `time [ms]`, `time_ms` or `N (g)`, or the unit may be in the row below.
 
 use nailnoise_quantities::dimension::TIME;
 
@@ -77,7 +77,7 @@ impl From<TableFault> for Fault {
     }
 }
 
-/// The column of a channel: that of its whole heading, else that of its name without unit.
+/// The column of a channel, found by its complete heading or else by its name without unit.
 fn column(selector: &Selector, headings: &[Heading], known: &str) -> Result<usize, Fault> {
     let Selector::Column(name) = selector else {
         return Err(Fault::Selector {

@@ -1,4 +1,4 @@
-//! What can be wrong with a recording.
+//! Faults of a recording.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::{Foreign, LOWEST_RATE, RUN, SHOT};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// Bytes that are no recording of a known format.
+    /// The bytes are not a recording in a known format.
     #[error("the file cannot be read as a recording: {problem}")]
     Format {
         /// What is wrong.
@@ -17,13 +17,13 @@ pub enum Fault {
     /// A file of another format.
     #[error("the file is {}", .0.name)]
     Foreign(Foreign),
-    /// A WAV file whose samples lose information or are compressed.
+    /// A WAV file has compressed samples.
     #[error("the samples are {coding}; integers and floats (PCM) are read")]
     Coding {
         /// How they are coded.
         coding: String,
     },
-    /// A WAV file of samples of another width.
+    /// A WAV file has samples of an unsupported width.
     #[error(
         "the samples have {bits} bits in {bytes} bytes, of the kind {kind}; integers of 2 to 64 bits and floats of 32 \
          and 64 bits are read"
@@ -36,7 +36,8 @@ pub enum Fault {
         /// `integer` or `float`.
         kind: &'static str,
     },
-    /// Integers whose valid bits are the lowest ones of their container, where the format has them highest.
+    /// The valid bits of integers are the lowest ones of their container instead of the highest, as the format
+    /// requires.
     #[error(
         "the header states {bits} valid bits in containers of {container} bits, which are the highest ones by the \
          format (WAVE_FORMAT_EXTENSIBLE); the samples use the lowest {bits} bits only"
@@ -47,22 +48,22 @@ pub enum Fault {
         /// Bits of its container.
         container: usize,
     },
-    /// A WAV file with more samples than the memory can hold.
+    /// A WAV file has more samples than fit in memory.
     #[error(
         "{channels} channel(s) of {samples} samples need {gigabytes:.1} GB of memory; three quarters of what is free, \
          {allowed:.1} GB, may be used"
     )]
     Memory {
-        /// Samples of a channel.
+        /// Number of samples per channel.
         samples: usize,
-        /// Channels of the file that are asked for.
+        /// Number of channels requested.
         channels: usize,
         /// Memory that they need \[GB\].
         gigabytes: f64,
         /// Memory that they may use \[GB\].
         allowed: f64,
     },
-    /// A file that ends before its header says.
+    /// A file ends before its header says.
     #[error("the file is cut off: its header promises {expected} samples, {found} are there")]
     CutOff {
         /// Samples by the header.
@@ -70,7 +71,7 @@ pub enum Fault {
         /// Samples in the file.
         found: usize,
     },
-    /// A channel beyond those of the file.
+    /// The channel number exceeds those in the file.
     #[error("there is no channel {channel}: the file has {channels}")]
     NoChannel {
         /// The channel, from 1.
@@ -78,7 +79,7 @@ pub enum Fault {
         /// Channels of the file.
         channels: usize,
     },
-    /// A column that a CSV file does not have.
+    /// A CSV file does not have the column.
     #[error("there is no column \"{column}\"; the columns are {known}")]
     NoColumn {
         /// Its heading.
@@ -86,19 +87,19 @@ pub enum Fault {
         /// The headings of the file.
         known: String,
     },
-    /// Two columns of one heading.
+    /// Two columns have the same heading.
     #[error("two columns have the heading \"{column}\"")]
     TwoColumns {
         /// The heading.
         column: String,
     },
-    /// A CSV file without times.
+    /// A CSV file has no times.
     #[error("there is no column of times; the columns are {known}")]
     NoTime {
         /// The headings of the file.
         known: String,
     },
-    /// A channel named by `column` in a WAV or universal file, or by `channel` in a CSV file.
+    /// A channel is selected by `column` in a WAV or universal file, or by `channel` in a CSV file.
     #[error("the file is {format}, whose channels are given by `{expected}`")]
     Selector {
         /// The format.
@@ -106,7 +107,7 @@ pub enum Fault {
         /// The key that selects a channel of it.
         expected: &'static str,
     },
-    /// A line of a CSV file that cannot be read.
+    /// A line of a CSV file cannot be read.
     #[error("line {line}: {problem}")]
     Line {
         /// The line, from 1.
@@ -114,27 +115,27 @@ pub enum Fault {
         /// What is wrong with it.
         problem: String,
     },
-    /// Times that are not evenly spaced.
+    /// Times are not evenly spaced.
     #[error("the time axis is uneven: sample {sample} is at {time} s, even steps lead to {expected} s")]
     Uneven {
-        /// The sample, from 1.
+        /// Index of the sample, from 1.
         sample: usize,
         /// Its time \[s\].
         time: f64,
-        /// The time of an even axis \[s\].
+        /// The time expected on a uniform axis \[s\].
         expected: f64,
     },
-    /// Times that do not increase.
+    /// Times do not increase.
     #[error("the time axis does not increase: sample {sample} is at {time} s, the one before it at {before} s")]
     NotIncreasing {
-        /// The sample, from 1.
+        /// Index of the sample, from 1.
         sample: usize,
         /// Its time \[s\].
         time: f64,
-        /// The time before it \[s\].
+        /// The preceding time \[s\].
         before: f64,
     },
-    /// A unit of the time axis that cannot be read.
+    /// The unit of the time axis cannot be read.
     #[error("the unit \"{unit}\" of the times cannot be used: {problem}")]
     TimeUnit {
         /// The label in the file.
@@ -142,7 +143,7 @@ pub enum Fault {
         /// What is wrong with it.
         problem: String,
     },
-    /// An abscissa that is no time.
+    /// The abscissa is not time.
     #[error("dataset 58 number {channel} is no time history: its abscissa is {abscissa}{histories}")]
     NotTime {
         /// The channel, from 1.
@@ -152,33 +153,33 @@ pub enum Fault {
         /// Which datasets are time histories.
         histories: String,
     },
-    /// A universal file that cannot be read.
+    /// A universal file cannot be read.
     #[error("{problem}")]
     Universal {
-        /// Why, with file and line.
+        /// The reason, with file and line.
         problem: String,
     },
-    /// No samples, or too few for a sampling rate.
+    /// There are no samples, or too few to determine a sampling rate.
     #[error("there are {samples} samples")]
     Empty {
         /// Samples in the file.
         samples: usize,
     },
-    /// A sample that is not a finite number.
+    /// A sample is not a finite number.
     #[error("sample {sample} is {value}, which is not finite")]
     NotFinite {
-        /// The sample, from 1.
+        /// Index of the sample, from 1.
         sample: usize,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// A rate too low for A-weighted bands to 10 kHz.
+    /// The sampling rate is too low for A-weighted bands up to 10 kHz.
     #[error("the sampling rate is {rate} Hz, at least {LOWEST_RATE} Hz are needed")]
     LowRate {
         /// The rate \[Hz\].
         rate: f64,
     },
-    /// Channels or shots of different rates.
+    /// Channels or shots have different sampling rates.
     #[error("the sampling rate is {rate} Hz, that of {} is {other} Hz", file.display())]
     RatesDiffer {
         /// The rate \[Hz\].
@@ -188,7 +189,7 @@ pub enum Fault {
         /// The other recording.
         file: PathBuf,
     },
-    /// Time axes that begin at different times.
+    /// Time axes start at different times.
     #[error("the time axis begins at {start} s, that of {} at {other} s", file.display())]
     StartsDiffer {
         /// The first time \[s\].
@@ -198,13 +199,13 @@ pub enum Fault {
         /// The other recording.
         file: PathBuf,
     },
-    /// Samples that run at full scale.
+    /// Consecutive samples are at full scale.
     #[error(
         "clipped: {count} samples from {at:.6} s on are at full scale, {value:.6} {unit}; {RUN} in a row are an \
          overload"
     )]
     Clipped {
-        /// Samples in the first run.
+        /// Number of samples in the first run.
         count: usize,
         /// Time of the first one from the record's start \[s\].
         at: f64,
@@ -213,13 +214,13 @@ pub enum Fault {
         /// The channel's unit.
         unit: String,
     },
-    /// Nothing states what the numbers mean.
+    /// Nothing states the meaning of the numbers.
     #[error("no calibration: {why}")]
     NoCalibration {
-        /// What is lacking.
+        /// What is missing.
         why: &'static str,
     },
-    /// A unit that cannot be read.
+    /// A unit cannot be parsed.
     #[error("the unit \"{unit}\" of the file cannot be used: {problem}")]
     Unit {
         /// The label in the file.
@@ -227,15 +228,15 @@ pub enum Fault {
         /// What is wrong with it.
         problem: String,
     },
-    /// A file in units of another quantity.
+    /// The file's unit belongs to a different quantity.
     #[error("the channel is {expected}, and the file holds {found}")]
     OtherQuantity {
-        /// What the manifest makes of the channel.
+        /// The quantity according to the manifest.
         expected: &'static str,
-        /// What the file states, with its label.
+        /// The quantity according to the file, with its label.
         found: String,
     },
-    /// A channel without a signal.
+    /// A channel has no signal.
     #[error(
         "the channel is dead: all {samples} samples are {value} {unit}{}",
         and_others(others)
@@ -258,13 +259,13 @@ pub enum Fault {
         /// That of the file.
         file: String,
     },
-    /// A record that ends before the shot.
+    /// A record ends too soon after the trigger.
     #[error("the record ends {after:.4} s after the trigger, the shot needs {SHOT} s")]
     Short {
         /// Time from the trigger to the record's end \[s\].
         after: f64,
     },
-    /// A signal that does not cross the trigger's threshold.
+    /// A signal does not cross the trigger's threshold.
     #[error("no trigger: the signal does not cross {threshold} {unit}; it runs from {least:.4} to {most:.4} {unit}")]
     NoTrigger {
         /// The threshold.
@@ -276,7 +277,7 @@ pub enum Fault {
         /// Unit of all three.
         unit: &'static str,
     },
-    /// A calibrator's record without the tone.
+    /// A calibrator recording does not contain the tone.
     #[error(
         "no tone of {frequency} Hz in the calibrator's record: {:.1} % of its energy lie within {:.0} % of \
          it", 100.0 * share,
@@ -290,7 +291,7 @@ pub enum Fault {
         /// Half width of the band, relative.
         band: f64,
     },
-    /// A calibrator's record that is too short.
+    /// A calibrator recording is too short.
     #[error("the calibrator's record lasts {duration:.3} s, at least {needed} s are needed")]
     ShortTone {
         /// Its duration \[s\].
@@ -308,7 +309,7 @@ fn and_others(others: &[String]) -> String {
 }
 
 impl Fault {
-    /// What to do about it.
+    /// How to fix it.
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::Format { .. } => {

@@ -1,4 +1,4 @@
-//! The `fmt ` chunk of a WAV file: how its samples are coded.
+//! The `fmt ` chunk of a WAV file, which describes the coding of samples.
 
 use super::fault::Fault;
 
@@ -7,13 +7,13 @@ const PCM: u16 = 1;
 const FLOAT: u16 = 3;
 const EXTENSIBLE: u16 = 0xfffe;
 
-/// The ends of the GUIDs that stand for the formats above: of Microsoft, and of ambisonic files.
+/// The endings of the GUIDs for the above formats, for Microsoft and for ambisonic files.
 const GUIDS: [[u8; 12]; 2] = [
     [0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71],
     [0x21, 0x07, 0xd3, 0x11, 0x86, 0x44, 0xc8, 0xc1, 0xca, 0, 0, 0],
 ];
 
-/// Other codings, which lose information or are compressed.
+/// Other codings, which are compressed.
 const OTHERS: [(u16, &str); 19] = [
     (0x02, "ADPCM of Microsoft"),
     (0x06, "A-law"),
@@ -39,7 +39,7 @@ const OTHERS: [(u16, &str); 19] = [
 /// How numbers are coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coded {
-    /// Integers with so many valid bits, which are the most significant ones of their container.
+    /// Integers with this many valid bits, which are the most significant ones of their container.
     Integer { bits: u32 },
     /// IEEE 754.
     Float,
@@ -57,10 +57,10 @@ pub(super) struct Format {
 }
 
 impl Format {
-    /// Bytes of the chunk that are read: those of the extensible format.
+    /// Number of bytes read from the chunk: those of the extensible format.
     pub(super) const LARGEST: usize = 40;
 
-    /// Reads the chunk, of 14 bytes or more; what follows the fields of its format is ignored.
+    /// Parses the chunk, which must have at least 14 bytes; anything after the fields of its format is ignored.
     pub(super) fn read(chunk: &[u8]) -> Result<Self, Fault> {
         let malformed = |problem: String| Fault::Format { problem };
         let short = |at: usize| u16::from_le_bytes([chunk[at], chunk[at + 1]]);
@@ -99,14 +99,14 @@ impl Format {
         if channels == 0 {
             return Err(malformed("its header states no channel".to_owned()));
         }
-        // A plain header of 24 bits may have blocks of 4 bytes a channel.
+        // A plain 24-bit header may have blocks of 4 bytes per channel.
         let container = if block > 0 && block % channels == 0 {
             block / channels
         } else {
             bits.div_ceil(8) as usize
         };
         let capacity = 8 * container as u32;
-        // Some programs write 0 or more than there are.
+        // Some programs write 0, or more than the container has.
         let valid = if (1..=capacity.min(bits.max(1))).contains(&valid) {
             valid
         } else {
@@ -132,7 +132,7 @@ impl Format {
         })
     }
 
-    /// A sample as a fraction of full scale; the largest integer is 1.
+    /// A sample as a fraction of full scale; the largest integer maps to 1.
     pub(super) fn sample(&self, bytes: &[u8]) -> f64 {
         match (self.coded, bytes) {
             (Coded::Float, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
@@ -141,13 +141,14 @@ impl Format {
         }
     }
 
-    /// The largest integer: all valid bits but the sign, above the unused ones.
+    /// The largest integer: all valid bits except the sign set, above the unused ones.
     fn full(&self, bits: u32) -> f64 {
         let unused = 8 * self.container as u32 - bits;
         (((1_i128 << (bits - 1)) - 1) << unused) as f64
     }
 
-    /// Bits of a sample that its header leaves unused, where a shift by them would show: whole bytes of an integer.
+    /// Number of bits per sample that the header declares unused, if an offset by them is detectable: full bytes of an
+    /// integer.
     fn unused(&self) -> Option<(u32, u32)> {
         let Coded::Integer { bits } = self.coded else {
             return None;
@@ -157,12 +158,12 @@ impl Format {
     }
 }
 
-/// Which bits of their containers the samples of a file use.
+/// Which bits of their containers are used by the samples of a file.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BitAlignment {
-    /// Whether a sample uses one of the bits that by the header are unused.
+    /// Whether any sample uses one of the bits that the header declares unused.
     low: bool,
-    /// Whether a sample needs more than the lowest valid bits.
+    /// Whether any sample needs more than the lowest valid bits.
     high: bool,
 }
 
@@ -179,8 +180,8 @@ impl BitAlignment {
         }
     }
 
-    /// Refuses samples that use the bits which by the header are unused, and leave the highest ones empty: their writer
-    /// put the valid bits at the wrong end, and they would read too quiet.
+    /// Rejects samples that use the bits declared unused and leave the highest ones empty: the program that wrote them
+    /// put the valid bits at the wrong end, and they would be read with too low a level.
     pub(super) fn check(self, format: &Format) -> Result<(), Fault> {
         match format.unused() {
             Some((bits, _)) if self.low && !self.high => Err(Fault::RightAligned {
@@ -192,7 +193,7 @@ impl BitAlignment {
     }
 }
 
-/// An integer, least significant byte first; that of one byte has an offset of 128.
+/// An integer with the least significant byte first; single-byte integers have an offset of 128.
 fn integer(bytes: &[u8]) -> i64 {
     match bytes {
         [byte] => i64::from(*byte) - 128,

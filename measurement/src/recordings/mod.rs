@@ -1,4 +1,4 @@
-//! Recordings of a shot: WAV, universal files and tables, read as signals in SI units on one time axis.
+//! Recordings of a shot: WAV, universal files and tables, read as signals in SI units on a common time axis.
 
 mod axis;
 mod calibration;
@@ -28,13 +28,13 @@ pub use shot::{Offsets, Shot};
 pub use signals::{Signals, Source, crossing, dead, read, read_shot, refuse, unreadable};
 pub use track::{Numbers, Refusal, Selector, Track};
 
-/// The largest universal file or table that is read \[byte\]; WAV files may have any length.
+/// Largest universal file or table accepted \[byte\]; WAV files may have any length.
 pub const LARGEST: u64 = 1 << 28;
 
-/// Reads channels of a recording; the format follows from the bytes. `path` is for messages.
+/// Reads channels of a recording whose format is recognised from its bytes. `path` is for messages.
 ///
 /// # Errors
-/// The fault, with the index of the channel in `channels`; a fault of the whole file has index 0.
+/// The fault, with the index of the channel in `channels`; a fault of the complete file has index 0.
 pub fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let tracks = if riff::is_riff(bytes) {
         wav::decode(Cursor::new(bytes), bytes.len() as u64, channels)
@@ -46,11 +46,11 @@ pub fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<T
     finite(tracks)
 }
 
-/// Reads channels of the recording in a file, as [`decode`] does; a WAV file is read a block at a time.
+/// Reads channels of a recording from a file, like [`decode`]; WAV files are read block by block.
 ///
 /// # Errors
-/// Those of the file system, of a file that is not a regular one or, except for WAV, longer than [`LARGEST`]. The inner
-/// error is that of [`decode`].
+/// The outer error is from the file system, or because the file is not regular or, except for WAV, is longer than
+/// [`LARGEST`]. The inner error is that of [`decode`].
 pub fn read_tracks(path: &Path, channels: &[&Selector]) -> io::Result<Result<Vec<Track>, Refusal>> {
     let (mut file, length) = open_regular(path)?;
     let mut mark = Vec::new();
@@ -65,7 +65,7 @@ pub fn read_tracks(path: &Path, channels: &[&Selector]) -> io::Result<Result<Vec
     Ok(decode(&bytes, path, channels))
 }
 
-/// Refuses samples that are not finite.
+/// Rejects samples that are not finite.
 fn finite(tracks: Vec<Track>) -> Result<Vec<Track>, Refusal> {
     for (index, track) in tracks.iter().enumerate() {
         let wrong = track.samples.iter().enumerate().find(|(_, value)| !value.is_finite());

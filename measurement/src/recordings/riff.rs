@@ -1,19 +1,19 @@
-//! The chunks of RIFF files, and of RF64 and BW64 files, whose lengths may exceed 4 GiB (EBU Tech 3306, ITU-R BS.2088).
+//! The chunks of RIFF files, and of RF64 and BW64 files, whose length may exceed 4 GiB (EBU Tech 3306, ITU-R BS.2088).
 //!
-//! Written here, because hound refuses what recorders write: chunks of odd length, `fmt ` chunks of 18 and 40 bytes
-//! with other contents than its own, RF64; and it reads 24 bits in containers of 32 from the wrong end. The licence of
-//! symphonia, MPL-2.0, is not among those of `deny.toml`. This reader is lenient where libsndfile is: it follows the
-//! chunks in any order, accepts a missing pad byte, and ignores the length of the file in its header.
+//! Own code, because hound rejects files that recorders write (chunks of odd length, `fmt ` chunks of 18 and 40 bytes
+//! with other contents than its own, RF64) and reads 24 bits in 32-bit containers from the wrong end. The licence of
+//! symphonia, MPL-2.0, is not allowed by `deny.toml`. This reader is as lenient as libsndfile: it accepts chunks in any
+//! order and a missing pad byte, and ignores the file length in the header.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-/// Lengths of chunks that stand for "see ds64" or "unknown, to the end of the file".
+/// Chunk lengths that mean "see ds64" or "unknown, to the end of the file".
 const UNKNOWN: u32 = u32::MAX;
 
-/// The most chunks of a file; recorders write about ten.
+/// Largest number of chunks in a file; recorders write about ten.
 const MOST: usize = 1 << 16;
 
-/// The most bytes of a `ds64` chunk that are read.
+/// Largest number of bytes read from a `ds64` chunk.
 const DS64: usize = 1 << 16;
 
 /// Names of chunks that may follow one of odd length without a pad byte.
@@ -26,15 +26,15 @@ const KNOWN: [&[u8]; 12] = [
 pub(super) struct Chunk {
     /// Four characters.
     pub(super) name: [u8; 4],
-    /// Where its content begins \[byte\].
+    /// Offset of its content \[byte\].
     pub(super) begin: u64,
-    /// Length of its content, as far as the file has it \[byte\].
+    /// Length of its content that is present in the file \[byte\].
     pub(super) found: u64,
-    /// Length by its header \[byte\]; none where the header leaves it open.
+    /// Length according to its header \[byte\]; none if the header leaves it open.
     pub(super) length: Option<u64>,
 }
 
-/// Whether a file with these first bytes is a tree of chunks, in the byte order of RIFF.
+/// Whether a file with these first bytes consists of RIFF chunks.
 pub(super) fn is_riff(bytes: &[u8]) -> bool {
     [&b"RIFF"[..], b"RF64", b"BW64"]
         .iter()
@@ -53,7 +53,7 @@ fn is_name(name: &[u8]) -> bool {
     name.len() == 4 && name.iter().all(|byte| (b' '..=b'~').contains(byte))
 }
 
-/// Lengths of chunks in a `ds64` chunk: that of `data`, and those of others by their names.
+/// Chunk lengths in a `ds64` chunk: that of `data`, and those of others by name.
 fn long_length(ds64: &[u8], name: [u8; 4]) -> Option<u64> {
     if name == *b"data" {
         return long(ds64, 8);
@@ -67,7 +67,7 @@ fn long_length(ds64: &[u8], name: [u8; 4]) -> Option<u64> {
         .and_then(|entry| long(entry, 4))
 }
 
-/// A file of chunks, of which only the parts asked for are read.
+/// A file of chunks, of which only the requested parts are read.
 #[derive(Debug)]
 pub(super) struct Riff<R> {
     reader: R,
@@ -76,12 +76,12 @@ pub(super) struct Riff<R> {
 }
 
 impl<R: Read + Seek> Riff<R> {
-    /// A file of so many bytes.
+    /// Wraps a file of `length` bytes.
     pub(super) fn new(reader: R, length: u64) -> Self {
         Self { reader, length }
     }
 
-    /// The bytes from here on, `most` at most, fewer at the end of the file.
+    /// Up to `most` bytes from an offset; fewer at the end of the file.
     fn bytes(&mut self, at: u64, most: usize) -> io::Result<Vec<u8>> {
         let left = usize::try_from(self.length.saturating_sub(at)).unwrap_or(usize::MAX);
         let mut bytes = vec![0; left.min(most)];
@@ -101,16 +101,16 @@ impl<R: Read + Seek> Riff<R> {
         self.bytes(chunk.begin, found.min(most))
     }
 
-    /// A reader that begins with the content of a chunk.
+    /// A reader that starts at the content of a chunk.
     pub(super) fn content(&mut self, chunk: &Chunk) -> io::Result<impl Read> {
         self.reader.seek(SeekFrom::Start(chunk.begin))?;
         Ok(self.reader.by_ref().take(chunk.found))
     }
 
-    /// The chunks of the file, in their order.
+    /// The chunks of the file, in order.
     ///
     /// # Errors
-    /// Those of the reader; more chunks than a recorder writes.
+    /// Errors of the reader, or if there are more chunks than a recorder writes.
     pub(super) fn chunks(&mut self) -> io::Result<Vec<Chunk>> {
         let mut found: Vec<Chunk> = Vec::new();
         let mut ds64: Option<Vec<u8>> = None;
@@ -159,7 +159,7 @@ impl<R: Read + Seek> Riff<R> {
         Ok(found)
     }
 
-    /// Whether the bytes are the end of the file or the header of a chunk that is whole.
+    /// Whether the offset is the end of the file or the header of a complete chunk.
     fn is_chunk_or_end(&mut self, at: u64) -> io::Result<bool> {
         let header = self.bytes(at, 8)?;
         let Some(name) = header.get(..4) else {
@@ -169,7 +169,7 @@ impl<R: Read + Seek> Riff<R> {
         Ok(is_name(name) && whole)
     }
 
-    /// Whether a chunk of odd length that ends here has no pad byte behind it, as some recorders write it.
+    /// Whether a chunk of odd length that ends here has no pad byte, as written by some recorders.
     fn lacks_pad(&mut self, at: u64) -> io::Result<bool> {
         let bytes = self.bytes(at, 5)?;
         let (without, with) = (bytes.get(..4), bytes.get(1..5));
@@ -260,7 +260,7 @@ mod tests {
             let found = chunks(&bytes);
             assert_eq!((found[0].length, found[0].found), (None, 10));
         }
-        // An empty chunk with another one behind it is empty.
+        // An empty chunk followed by another one is really empty.
         let bytes = [
             b"RIFF\0\0\0\0WAVE".to_vec(),
             chunk(b"data", b"", true),

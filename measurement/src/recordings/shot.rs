@@ -1,6 +1,6 @@
-//! One shot of a test: all its channels on one time axis.
+//! One shot of a test: all its channels on a common time axis.
 
-/// Recordings of one shot of one configuration, all of the length of the shortest record.
+/// Recordings of one shot of one configuration, all truncated to the length of the shortest.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shot {
     /// Sampling rate \[1/s\].
@@ -15,7 +15,7 @@ pub struct Shot {
     pub pressures: Vec<Vec<f64>>,
 }
 
-/// Constant parts of the signals of a shot.
+/// Constant offsets of the signals of a shot.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Offsets {
     /// Of each microphone \[Pa\].
@@ -25,9 +25,9 @@ pub struct Offsets {
 }
 
 impl Shot {
-    /// Removes the constant part of microphones and accelerometers, an offset of their amplifiers: neither sound nor
-    /// the vibration of a tool at rest before and after the shot has one. The ends of a record would make a step of it,
-    /// which raises the lowest bands. Gas pressures keep theirs, the static pressure.
+    /// Removes the constant offset of microphones and accelerometers, which is due to their amplifiers: neither sound
+    /// nor the vibration of a tool that is at rest before and after the shot has one. Otherwise the ends of a record
+    /// would form a step, which raises the lowest bands. Gas pressures keep theirs, which is the static pressure.
     pub fn remove_offsets(&mut self) -> Offsets {
         Offsets {
             microphones: self.microphones.iter_mut().map(|record| remove_mean(record)).collect(),

@@ -1,4 +1,4 @@
-//! One shot: its files read once each, scaled to SI units, checked, and cut to one length.
+//! One shot: its files are read once each, scaled to SI units, checked, and truncated to a common length.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use super::fault::Fault;
 use super::{LOWEST_RATE, RUN, SAME_RATE, SHOT, Selector, Track, read_tracks};
 use crate::error::MeasurementError;
 
-/// Where the record of a channel is, and what its numbers are.
+/// Where a channel is recorded, and what its numbers mean.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a> {
     /// Name of the channel.
@@ -16,7 +16,7 @@ pub struct Source<'a> {
     pub quantity: Quantity,
     /// Which channel of the file.
     pub selector: &'a Selector,
-    /// What its numbers are.
+    /// What its numbers mean.
     pub calibration: &'a Calibration,
 }
 
@@ -56,11 +56,11 @@ pub fn unreadable(path: &Path, channel: &str, error: &std::io::Error) -> Measure
     }
 }
 
-/// Reads the channels of one shot, each file once. `expected` is the rate of the other shots \[Hz\] and the file that
-/// has it.
+/// Reads the channels of one shot, each file once. `expected` is the sampling rate of the other shots \[Hz\], and a
+/// file that has it.
 ///
 /// # Errors
-/// A file that cannot be read; the [`Fault`] of a channel.
+/// If a file cannot be read; the [`Fault`] of a channel.
 pub fn read_shot(
     sources: &[(PathBuf, Source<'_>)],
     expected: Option<(f64, &Path)>,
@@ -104,7 +104,7 @@ fn same_rate(rate: f64, other: f64, file: &Path) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Time axes that are stated begin together, to half a sample.
+/// Checks that time axes given in files start at the same time, within half a sample.
 fn same_start(track: &Track, origin: &mut Option<(f64, PathBuf)>, path: &Path) -> Result<(), Fault> {
     let Some(start) = track.start else { return Ok(()) };
     let (other, file) = origin.get_or_insert_with(|| (start, path.to_owned()));
@@ -115,13 +115,13 @@ fn same_start(track: &Track, origin: &mut Option<(f64, PathBuf)>, path: &Path) -
     Ok(())
 }
 
-/// The samples in SI units, none of them clipped.
+/// Converts samples to SI units and checks that none is clipped.
 fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
     if track.rate < LOWEST_RATE {
         return Err(Fault::LowRate { rate: track.rate });
     }
     let Scale { factor, full } = source.calibration.scale(&track, source.quantity)?;
-    // A switch may run at full scale.
+    // A switch may reach full scale.
     let full = full.filter(|_| source.quantity != Quantity::Voltage);
     if let Some((at, count)) = full.and_then(|full| overload(&track.samples, full)) {
         return Err(Fault::Clipped {
@@ -136,13 +136,13 @@ fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
     Ok(samples)
 }
 
-/// Relative distance from full scale within which equal samples in a row are an overload: the last step of 16 bits.
+/// Relative distance from full scale within which consecutive equal samples count as overload: the last step of 16
+/// bits.
 const LAST_STEP: f64 = 1.0 / 32_768.0;
 
-/// The first run of [`RUN`] samples or more at full scale: its first sample and its length.
+/// The first run of [`RUN`] or more samples at full scale: its first sample and its length.
 ///
-/// Samples of one sign are at full scale that reach it, and equal ones that fall short of it by a step of the
-/// converter.
+/// Samples of one sign are at full scale if they reach it, or if they are equal and one converter step below it.
 pub(super) fn overload(samples: &[f64], full: f64) -> Option<(usize, usize)> {
     let near = (1.0 - LAST_STEP) * full;
     let continues = |a: f64, b: f64| a == b || (a.signum() == b.signum() && a.abs() >= full && b.abs() >= full);
@@ -170,9 +170,9 @@ impl Signals {
         refuse(&self.files[index], name, fault)
     }
 
-    /// Cuts all channels to the shortest one, which must reach [`SHOT`] beyond the trigger \[s\].
+    /// Truncates all channels to the shortest one, which must extend [`SHOT`] beyond the trigger \[s\].
     ///
-    /// Cut, not padded: no sample is invented.
+    /// Channels are truncated instead of padded, so that no samples are invented.
     pub fn cut(&mut self, trigger: f64, names: &[&str]) -> Result<(), MeasurementError> {
         let lengths = self.channels.iter().map(Vec::len).enumerate();
         let Some((shortest, length)) = lengths.min_by_key(|(_, length)| *length) else {
@@ -187,7 +187,7 @@ impl Signals {
     }
 }
 
-/// The fault of a signal without any change: an open cable, a channel that was not recorded.
+/// The fault of a signal that never changes: an open cable, or a channel that was not recorded.
 pub fn dead(signal: &[f64], unit: &'static str) -> Option<Fault> {
     let (first, rest) = signal.split_first()?;
     rest.iter().all(|sample| sample == first).then_some(Fault::Dead {
@@ -198,7 +198,7 @@ pub fn dead(signal: &[f64], unit: &'static str) -> Option<Fault> {
     })
 }
 
-/// Time at which a signal first crosses a threshold away from zero, between its samples by linear interpolation \[s\].
+/// Time at which a signal first crosses a threshold away from zero, by linear interpolation between samples \[s\].
 pub fn crossing(signal: &[f64], rate: f64, threshold: f64) -> Option<f64> {
     let beyond = |value: f64| {
         if threshold < 0.0 {

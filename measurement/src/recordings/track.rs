@@ -1,4 +1,4 @@
-//! Channels of a file before they are signals.
+//! Channels of a file before conversion to signals.
 
 use nailnoise_quantities::Dimension;
 
@@ -13,7 +13,7 @@ pub enum Selector {
     Column(String),
 }
 
-/// What the numbers of a file are.
+/// Meaning of the numbers in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Numbers {
     /// Integers as fractions of the largest one.
@@ -24,27 +24,27 @@ pub enum Numbers {
     InUnit,
 }
 
-/// Samples of one channel as the file holds them.
+/// Samples of one channel as stored in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     /// Sampling rate \[Hz\].
     pub rate: f64,
-    /// Time of the first sample \[s\], where the file states it.
+    /// Time of the first sample \[s\], if the file states it.
     pub start: Option<f64>,
     /// The samples.
     pub samples: Vec<f64>,
-    /// What they are.
+    /// Their meaning.
     pub numbers: Numbers,
-    /// Label of their unit in the file; empty where there is none.
+    /// Label of their unit in the file; empty if there is none.
     pub unit: String,
-    /// What the file states that they measure, without a unit.
+    /// The quantity that the file states they measure, without a unit.
     pub measures: Option<Dimension>,
 }
 
-/// Why a file cannot be read, and for which of the channels asked for.
+/// Why a file cannot be read, with the index of the requested channel.
 pub type Refusal = (usize, Fault);
 
-/// The number of each channel, for the formats that count them.
+/// The number of each channel, for formats that number their channels.
 pub(super) fn numbers(channels: &[&Selector], format: &'static str) -> Result<Vec<usize>, Refusal> {
     let number = |(index, selector): (usize, &&Selector)| match selector {
         Selector::Channel(number) => Ok(*number),

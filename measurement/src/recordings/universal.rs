@@ -1,4 +1,4 @@
-//! Universal files: datasets 58 in text or binary, counted from 1.
+//! Universal files: datasets 58 in text or binary form, numbered from 1.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use nailnoise_documents::tables::si_of;
 /// Specific data types of an abscissa that is time, or unknown.
 const TIMES: [i64; 2] = [17, 0];
 
-/// Reads datasets 58 of a universal file. One that cannot be read is an error where it is asked for.
+/// Reads datasets 58 of a universal file. An unreadable dataset is an error only if it is requested.
 pub(super) fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let wanted = numbers(channels, "a universal file")?;
     let all = functions(bytes, path);
@@ -28,12 +28,12 @@ pub(super) fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Resul
         let track = match all.get_mut(place).ok_or_else(missing)?.take() {
             Some(Ok(function)) => track(function, channel, &histories).map_err(|fault| (index, fault))?,
             Some(Err(error)) => {
-                // The error of the recording names the file already.
+                // The error of the recording already names the file.
                 let problem = error.to_string().replacen(&path.display().to_string(), "the file", 1);
                 let problem = format!("{problem}{histories}");
                 return Err((index, Fault::Universal { problem }));
             }
-            // Asked for twice.
+            // The dataset was requested twice.
             None => {
                 let earlier = wanted.iter().position(|other| *other == channel).unwrap_or(0);
                 tracks[earlier].clone()
@@ -44,9 +44,9 @@ pub(super) fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Resul
     Ok(tracks)
 }
 
-/// The datasets that are time histories, as the end of a message; empty where all are, or none.
+/// Lists the datasets that are time histories, for the end of a message; empty if all or none are.
 fn histories(all: &[Result<Function, UffError>]) -> String {
-    /// Numbers that a message lists.
+    /// Largest number of datasets listed in a message.
     const SHOWN: usize = 12;
     let is_history =
         |function: &Result<Function, UffError>| function.as_ref().is_ok_and(|own| TIMES.contains(&own.kinds[0]));
@@ -65,7 +65,7 @@ fn histories(all: &[Result<Function, UffError>]) -> String {
     }
 }
 
-/// What an ordinate is by its specific data type; none for general and unknown ones.
+/// The quantity of an ordinate according to its specific data type; none for general and unknown types.
 fn measures(kind: i64) -> Option<Dimension> {
     Some(match kind {
         5 => TEMPERATURE,

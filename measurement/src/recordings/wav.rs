@@ -10,7 +10,7 @@ use super::riff::Riff;
 use super::track::{Numbers, Refusal, Selector, Track, numbers};
 use nailnoise_documents::MemoryLimit;
 
-/// How samples are written.
+/// Sample format for writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coding {
     /// Integers of 24 bits; the largest one is full scale.
@@ -19,13 +19,13 @@ pub enum Coding {
     Float32,
 }
 
-/// A WAV file of signals of one length, a channel each.
+/// Encodes signals of equal length as a WAV file, one channel each.
 ///
 /// `rate` is in Hz; `full_scale`, in the unit of the signals, is the value of the largest sample.
 ///
 /// # Errors
-/// Signals of different lengths, none or more than 65 535 of them, values that are not finite or, as integers, beyond
-/// full scale, or more bytes than a WAV file can hold (4 GiB).
+/// If signals differ in length, their number is zero or above 65 535, values are not finite or (for integers) beyond
+/// full scale, or the file would exceed the limit of WAV (4 GiB).
 pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) -> io::Result<Vec<u8>> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, what);
     let length = signals.first().map_or(0, |signal| signal.len());
@@ -70,8 +70,8 @@ pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) ->
     plain(bytes.into_inner(), coding).ok_or_else(|| io::Error::other("the header of a WAV file is not extensible"))
 }
 
-/// A WAV file with the format chunk of 16 bytes instead of the extensible one of 40 bytes that hound writes for
-/// more than 16 bits, because Python's `wave` before 3.12 and other simple readers open no extensible one.
+/// Replaces the extensible format chunk of 40 bytes, which hound writes for more than 16 bits, with one of 16 bytes,
+/// because Python's `wave` before 3.12 and other simple readers cannot read the extensible form.
 fn plain(mut file: Vec<u8>, coding: Coding) -> Option<Vec<u8>> {
     const CHUNK: std::ops::Range<usize> = 12..20;
     const FORMAT: std::ops::Range<usize> = 20..22;
@@ -92,15 +92,15 @@ fn plain(mut file: Vec<u8>, coding: Coding) -> Option<Vec<u8>> {
     Some(file)
 }
 
-/// The largest integer of so many bits.
+/// The largest integer with this many bits.
 fn largest(bits: u16) -> f64 {
     ((1_i64 << (bits - 1)) - 1) as f64
 }
 
-/// Bytes of a file that are in memory at a time, unless a single frame is larger.
+/// Number of bytes of a file in memory at a time, unless a single frame is larger.
 const BLOCK: usize = 1 << 20;
 
-/// Reads channels of a WAV file of so many bytes, a block at a time: only the samples asked for stay in memory.
+/// Reads channels of a WAV file of `length` bytes block by block; only the requested samples stay in memory.
 pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let wanted = numbers(channels, "a WAV file")?;
     let malformed = |problem: String| (0, Fault::Format { problem });
@@ -142,7 +142,7 @@ pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Select
             return Err((index, Fault::NoChannel { channel, channels }));
         }
     }
-    // Bytes of an unfinished last sample are ignored, as every reader does.
+    // An incomplete last sample is ignored, as in every reader.
     let frame = count * format.container;
     let frames = samples.found / frame as u64;
     let stated = samples.length.map_or(frames, |length| length / frame as u64);
@@ -199,7 +199,7 @@ fn unread(error: io::Error) -> Refusal {
     (0, Fault::Format { problem })
 }
 
-/// Empty records with room for so many samples each.
+/// Empty records with capacity for this many samples each.
 fn allocate_records(samples: usize, channels: usize, limit: MemoryLimit) -> Result<Vec<Vec<f64>>, Fault> {
     let gigabytes = 1e-9 * size_of::<f64>() as f64 * samples as f64 * channels as f64;
     let fault = || Fault::Memory {

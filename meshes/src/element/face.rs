@@ -6,13 +6,13 @@ use vtkio::model::CellType;
 
 use super::hex::quadratic;
 
-/// The largest number of nodes a face has.
+/// The largest number of nodes on a face.
 const MOST: usize = 9;
 
 /// The shape of an element face.
 ///
-/// Triangles lie on r, s >= 0, r + s <= 1, quadrilaterals on \[-1, 1\]^2. Corners come first, then the mid-side that
-/// follows each corner, then the centre.
+/// Triangles lie on r, s >= 0, r + s <= 1, quadrilaterals on \[-1, 1\]^2. Corners come first, then the mid-side node
+/// that follows each corner, then the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum FaceKind {
@@ -57,7 +57,7 @@ impl FaceKind {
         }
     }
 
-    /// Number of corner nodes, which come first; as many as there are edges.
+    /// Number of corner nodes, which come first and equal the number of edges.
     pub const fn corners(self) -> usize {
         match self {
             Self::Tri3 | Self::Tri6 => 3,
@@ -92,7 +92,7 @@ impl FaceKind {
         }
     }
 
-    /// How far natural coordinates lie outside the face: 0 or less inside.
+    /// Distance by which natural coordinates lie outside the face: 0 or less inside.
     pub fn outside(self, xi: [f64; 2]) -> f64 {
         match self.corners() {
             3 => (-xi[0]).max(-xi[1]).max(xi[0] + xi[1] - 1.0),
@@ -101,7 +101,7 @@ impl FaceKind {
     }
 
     /// Shape functions and their gradients with respect to the two natural coordinates at `xi`; entries beyond
-    /// [`Self::nodes`] are left as they are.
+    /// [`Self::nodes`] are left unchanged.
     ///
     /// With L_0 = 1 - r - s, L_1 = r, L_2 = s and x = xi xi_a, y = eta eta_a:
     /// Tri3 L_a;  Tri6 L_a (2 L_a - 1) and 4 L_a L_b;  Quad4 (1 + x)(1 + y) / 4;
@@ -169,13 +169,13 @@ fn serendipity(xi: [f64; 2], n: &mut [f64], dn: &mut [[f64; 2]]) {
 /// then the centre.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct FaceNodes {
-    // Unused entries are zero, so that equality may be derived.
+    // Unused entries are zero, so that equality can be derived.
     nodes: [usize; MOST],
     len: usize,
 }
 
 impl FaceNodes {
-    /// The nodes of a face from an iterator; what goes beyond nine is left out.
+    /// Collects the nodes of a face from an iterator; excess nodes beyond nine are dropped.
     pub(crate) fn of(nodes: impl Iterator<Item = usize>) -> Self {
         let mut list = Self {
             nodes: [0; MOST],
@@ -188,7 +188,7 @@ impl FaceNodes {
         list
     }
 
-    /// The list with every node replaced.
+    /// Applies a function to every node.
     #[must_use]
     pub fn map(self, node: impl FnMut(usize) -> usize) -> Self {
         Self::of(self.into_iter().map(node))

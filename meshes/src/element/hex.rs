@@ -80,7 +80,7 @@ pub(super) const FACES_27: [&[usize]; 6] = [
     &[4, 5, 6, 7, 12, 13, 14, 15, 25],
 ];
 
-/// The product of three factors and its gradient, from the factors and their slopes.
+/// The product of three factors and its gradient, from the factors and their derivatives.
 fn product(f: [f64; 3], df: [f64; 3]) -> (f64, [f64; 3]) {
     (
         f[0] * f[1] * f[2],

@@ -27,7 +27,7 @@ pub enum ElementKind {
     Wedge15,
 }
 
-/// The common properties of the kinds of a shape.
+/// A family of element kinds with common properties.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Family {
     Hex,
@@ -84,7 +84,7 @@ impl ElementKind {
     }
 
     /// Local node numbers of each face, ordered so that the normal points out of the element: corners, then the
-    /// mid-side that follows each corner, then the centre.
+    /// mid-side node that follows each corner, then the centre.
     pub const fn faces(self) -> &'static [&'static [usize]] {
         match self {
             Self::Hex8 => &hex::FACES_8,
@@ -149,7 +149,7 @@ impl ElementKind {
         }
     }
 
-    /// How far natural coordinates lie outside the element: 0 or less inside.
+    /// Distance by which natural coordinates lie outside the element: 0 or less inside.
     pub fn outside(self, xi: [f64; 3]) -> f64 {
         let [x, y, z] = xi;
         match self.family() {
@@ -159,10 +159,10 @@ impl ElementKind {
         }
     }
 
-    /// Natural coordinates moved back into the element if they lie outside, each separately.
+    /// Moves natural coordinates back into the element if they lie outside.
     pub fn clamped(self, xi: [f64; 3]) -> [f64; 3] {
         let square = |v: f64| v.clamp(-1.0, 1.0);
-        // An excess over the sum of 1 is taken off all by the same factor.
+        // If the sum exceeds 1, all coordinates are scaled by the same factor.
         let simplex = |v: &mut [f64]| {
             v.iter_mut().for_each(|v| *v = v.max(0.0));
             let sum = v.iter().sum::<f64>().max(1.0);
@@ -181,7 +181,7 @@ impl ElementKind {
     }
 
     /// Shape functions N_a and their gradients with respect to natural coordinates at `xi`; entries beyond
-    /// [`Self::nodes`] are left as they are.
+    /// [`Self::nodes`] are left unchanged.
     pub fn shape(self, xi: [f64; 3], n: &mut [f64], dn: &mut [[f64; 3]]) {
         match self {
             Self::Hex8 => hex::shape_8(xi, n, dn),

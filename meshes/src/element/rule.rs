@@ -4,8 +4,8 @@ use super::{ElementKind, FaceKind, Family};
 use crate::{MeshError, gauss_legendre};
 
 impl ElementKind {
-    /// Points and weights that integrate both matrices of this kind: the mass, and with it the stiffness, exactly when
-    /// the element is affine to its natural domain. The weights sum to the volume of that domain.
+    /// Points and weights that integrate the mass and stiffness matrices of this kind exactly if the element is an
+    /// affine image of its natural domain. The weights sum to the volume of that domain.
     ///
     /// | kind | rule | degree |
     /// |---|---|---|
@@ -16,7 +16,7 @@ impl ElementKind {
     /// | Wedge15 | 6 points (Dunavant 1985) x 3 Gauss points | 4 in the triangle, 5 along t |
     ///
     /// # Errors
-    /// None in fact: the Gauss rules asked for exist.
+    /// None in practice: the Gauss rules used here exist.
     pub fn rule(self) -> Result<Vec<([f64; 3], f64)>, MeshError> {
         let points = match self.family() {
             Family::Hex => {
@@ -47,10 +47,10 @@ impl ElementKind {
 }
 
 impl FaceKind {
-    /// Points and weights that integrate polynomials of degree 2n - 1 exactly: n x n Gauss points on quadrilaterals, of
-    /// that degree in each direction. On triangles 1 point for n = 1, 6 for n = 2 (degree 4) and 7 for n = 3 (degree 5,
-    /// both Dunavant 1985). Beyond, the product rule of n x (n + 1) Gauss points on the collapsed square. All weights
-    /// are positive and sum to the area of the natural domain.
+    /// Points and weights that integrate polynomials of degree 2n - 1 exactly. Quadrilaterals have n x n Gauss points,
+    /// exact to that degree in each direction. On triangles 1 point for n = 1, 6 for n = 2 (degree 4) and 7 for n = 3
+    /// (degree 5, both Dunavant 1985). For larger n, triangles use the product rule of n x (n + 1) Gauss points on the
+    /// collapsed square. All weights are positive and sum to the area of the natural domain.
     ///
     /// # Errors
     /// [`MeshError::GaussPoints`] unless 1 <= n <= 9, on quadrilaterals 10.
@@ -76,7 +76,7 @@ impl FaceKind {
             1 => vec![centre],
             2 => six(&DUNAVANT_4),
             3 => {
-                // Radon's rule in closed form; Dunavant's table gives the same numbers.
+                // Radon's rule in closed form; Dunavant's table has the same values.
                 let s = 15f64.sqrt();
                 let mut points = six(&[
                     ((6.0 - s) / 21.0, (155.0 - s) / 1200.0),
@@ -102,8 +102,8 @@ impl FaceKind {
     }
 }
 
-/// Barycentric coordinate that two vertices share, and the weight on a triangle of unit area, of the 6-point rule of
-/// degree 4 (Dunavant 1985, Int. J. Numer. Meth. Eng. 21, 1129-1148).
+/// For the two orbits of the 6-point rule of degree 4, the barycentric coordinate shared by two vertices, and the
+/// weight on a triangle of unit area (Dunavant 1985, Int. J. Numer. Meth. Eng. 21, 1129-1148).
 const DUNAVANT_4: [(f64, f64); 2] = [
     (0.445_948_490_915_965, 0.223_381_589_678_011),
     (0.091_576_213_509_771, 0.109_951_743_655_322),

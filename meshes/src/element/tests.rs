@@ -102,8 +102,8 @@ fn powers(degree: i32) -> impl Iterator<Item = (i32, i32, i32)> {
     (0..=degree).flat_map(move |i| (0..=degree - i).flat_map(move |j| (0..=degree - i - j).map(move |k| (i, j, k))))
 }
 
-/// The faces agree with the volume: their shape functions are the element's there, their normals point outwards, and
-/// the divergence theorem gives the volume.
+/// The faces match the volume element: their shape functions are its restrictions, their normals point outwards, and
+/// the divergence theorem yields its volume.
 #[test]
 fn faces_close_the_element_with_outward_normals() {
     for kind in ElementKind::ALL {
@@ -140,7 +140,7 @@ fn faces_close_the_element_with_outward_normals() {
     }
 }
 
-/// VTK's numbering puts the mid-sides on the edges in their order, then the centres of the faces -x to +z.
+/// In VTK's numbering, the mid-side nodes follow the edges in order, and then come the centres of the faces -x to +z.
 #[test]
 fn mid_sides_and_centres_stand_where_vtk_has_them() {
     for kind in ElementKind::ALL.into_iter().filter(|k| k.order() == 2) {
@@ -207,7 +207,7 @@ fn volume_rules_have_the_degree_stated() {
     }
 }
 
-/// The mass of the natural element, m_ab = integral of N_a N_b, from the rule and from one with more points.
+/// The mass of the natural element, m_ab = integral of N_a N_b, computed with its rule and with a finer one.
 #[test]
 fn rules_integrate_the_mass_exactly() {
     for kind in ElementKind::ALL {
@@ -225,7 +225,7 @@ fn rules_integrate_the_mass_exactly() {
             }
             m
         };
-        // Gauss points collapsed onto the shape: (u, v, w) in [0, 1]^3 to barycentric coordinates.
+        // Gauss points collapsed onto the shape: maps (u, v, w) in [0, 1]^3 to barycentric coordinates.
         let gauss = crate::gauss_legendre(6);
         let mut fine = Vec::new();
         for &(u, wu) in &gauss {
@@ -277,7 +277,7 @@ fn face_rules_have_the_degree_stated() {
     }
 }
 
-/// Natural elements are right-handed in their own coordinates.
+/// Elements are right-handed in their natural coordinates.
 #[test]
 fn the_identity_map_has_a_unit_jacobian() {
     for kind in ElementKind::ALL {

@@ -1,4 +1,4 @@
-//! From a file's content to a [`Mesh`]: parts, named face groups, VTK node order.
+//! Converts a file's contents to a [`Mesh`]: parts, named face groups, VTK node order.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,16 +8,17 @@ use super::MshError;
 use super::raw::{IN_METRES, Raw};
 use crate::{ElementKind, FaceGroup, FaceRef, Mesh, MeshError};
 
-/// Places in gmsh's order of the nodes of a VTK element after its corners.
+/// For each node of a VTK element after its corners, its position in gmsh's order.
 const HEX20: [usize; 12] = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
-/// The edges as in [`HEX20`], then the faces (gmsh: -z, -y, -x, +x, +y, +z; VTK: -x, +x, -y, +y, -z, +z), the centre.
+/// The edges as in [`HEX20`], then the faces (gmsh: -z, -y, -x, +x, +y, +z; VTK: -x, +x, -y, +y, -z, +z), then the
+/// centre.
 const HEX27: [usize; 19] = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26];
 const TET10: [usize; 6] = [4, 5, 6, 7, 9, 8];
-/// gmsh numbers the edges (0,1), (0,2), (0,3), (1,2), (1,4), (2,5), (3,4), (3,5), (4,5); VTK the lower triangle's, the
-/// upper one's, the vertical ones.
+/// gmsh orders the edges (0,1), (0,2), (0,3), (1,2), (1,4), (2,5), (3,4), (3,5), (4,5). VTK lists those of the lower
+/// triangle, then those of the upper one, then the vertical ones.
 const WEDGE15: [usize; 9] = [6, 9, 7, 12, 14, 13, 8, 10, 11];
 
-/// The element kind of a gmsh type, and the places of its nodes after the corners in gmsh's order.
+/// The element kind of a gmsh type, and the positions of its nodes after the corners in gmsh's order.
 pub(super) fn kind_of(code: i64) -> Option<(ElementKind, &'static [usize])> {
     Some(match code {
         4 => (ElementKind::Tet4, &[]),
@@ -30,27 +31,27 @@ pub(super) fn kind_of(code: i64) -> Option<(ElementKind, &'static [usize])> {
     })
 }
 
-/// A mesh with the numbers that its file gives to its nodes and elements.
+/// A mesh with the node and element numbers of its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
-    /// The mesh; lengths in the unit of the file times the scale asked for.
+    /// The mesh; its lengths are those of the file times the requested scale.
     pub mesh: Mesh,
-    /// Number in the file of each element of the mesh.
+    /// For each element of the mesh, its number in the file.
     pub element_numbers: Vec<u64>,
-    /// Number in the file of each node of the mesh.
+    /// For each node of the mesh, its number in the file.
     pub node_numbers: Vec<u64>,
-    /// Nodes in the file that no volume element uses; they are left out.
+    /// Number of nodes in the file that no volume element uses; they are omitted.
     pub unused_nodes: usize,
-    /// First line of the comments of the file without the unit; empty if there is none.
+    /// First comment line of the file without the unit; empty if there is none.
     pub comment: String,
-    /// Whether the file states that its lengths are in metres, so that no unit is asked for.
+    /// Whether the file states that its lengths are in metres, so that no unit is needed.
     pub states_metres: bool,
-    /// Remarks for the user on the making of the mesh.
+    /// Remarks for the user on how the mesh was made.
     pub notes: Vec<String>,
 }
 
 impl Imported {
-    /// A mesh that was not read from a file.
+    /// Wraps a mesh that was not read from a file.
     pub fn built(mesh: Mesh) -> Self {
         Self {
             mesh,
@@ -63,17 +64,17 @@ impl Imported {
         }
     }
 
-    /// Refuses a damaged mesh, see [`Mesh::validate`].
+    /// Checks the mesh for damage, see [`Mesh::validate`].
     ///
     /// # Errors
-    /// Those of [`Mesh::validate`].
+    /// Same as [`Mesh::validate`].
     pub fn validate(&self) -> Result<(), MeshError> {
         let number = |element: usize| self.element_numbers.get(element).copied().unwrap_or(element as u64);
         self.mesh.validate(number)
     }
 
-    /// Adds the image of the mesh in the plane y = 0, see [`Mesh::add_image`]; elements and nodes take the numbers of
-    /// their originals.
+    /// Adds the mirror image of the mesh in the plane y = 0, see [`Mesh::add_image`]. Mirrored elements and nodes take
+    /// the numbers of their originals.
     pub(crate) fn add_image(&mut self) {
         let images = self.mesh.add_image();
         self.element_numbers = images.elements.iter().map(|&of| self.element_numbers[of]).collect();
@@ -82,7 +83,7 @@ impl Imported {
 }
 
 impl Raw {
-    /// Makes a mesh; lengths are multiplied by `scale` unless a comment of the file gives metres as the unit.
+    /// Builds a mesh. Lengths are multiplied by `scale` unless a comment in the file states that they are in metres.
     pub(super) fn build(self, scale: f64) -> Result<Imported, MshError> {
         let (scale, comment, states_metres) = match self.comment.strip_suffix(IN_METRES) {
             Some(rest) => (1.0, rest.trim_end_matches([';', ' ']).to_owned(), true),
@@ -152,7 +153,7 @@ impl Raw {
         })
     }
 
-    /// Named groups of one dimension: name by number.
+    /// Names of the groups of one dimension, by number.
     fn names_of(&self, dimension: i64) -> HashMap<i64, &str> {
         self.names
             .iter()
@@ -161,7 +162,7 @@ impl Raw {
             .collect()
     }
 
-    /// All groups there are, for a message.
+    /// Lists all groups for a message.
     fn known(&self) -> String {
         let dimension = |d: i64| match d {
             0 => "point",
@@ -204,7 +205,7 @@ impl Raw {
         let mut part_of: HashMap<String, usize> = HashMap::new();
         let mut seen: HashMap<Vec<usize>, usize> = HashMap::with_capacity(volumes.len());
         let mut of_number: HashMap<u64, usize> = HashMap::with_capacity(volumes.len());
-        // In version 2.2 an element of two groups is written twice under two numbers.
+        // In version 2.2, an element that belongs to two groups is written twice under two numbers.
         for &element in volumes {
             let (number, kind) = (self.numbers[element], self.kinds[element]);
             let Some((own, tail)) = kind_of(kind.code) else {
@@ -285,7 +286,7 @@ impl Raw {
         Ok(())
     }
 
-    /// Groups of faces, in the order of their names. A face between two elements counts as one of the first element.
+    /// Face groups in the order of their names. A face between two elements is attributed to the first one.
     fn faces(&self, place: &HashMap<u64, usize>, index: &[usize], mesh: &mut Mesh) -> Result<(), MshError> {
         let names = self.names_of(2);
         let mut behind: HashMap<[usize; 4], FaceRef> = HashMap::new();
@@ -337,7 +338,7 @@ impl Raw {
     }
 }
 
-/// Corners of a face in ascending order, the same for both elements that share it.
+/// The corners of a face in ascending order, which are the same for both elements that share it.
 fn corner_key(corners: impl Iterator<Item = usize>) -> [usize; 4] {
     let mut key = [usize::MAX; 4];
     for (slot, node) in key.iter_mut().zip(corners) {

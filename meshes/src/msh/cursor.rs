@@ -1,25 +1,25 @@
-//! Words and bytes of a `.msh` file, with the section they are in for messages.
+//! Reads words and bytes of a `.msh` file, and tracks the current section for messages.
 
 use super::MshError;
 
-/// Bytes of the longest section name; gmsh's own have at most 20.
+/// Length limit of a section name; gmsh's own have at most 20 bytes.
 const LONGEST_NAME: usize = 80;
 
-/// How numbers are written.
+/// How numbers are encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     /// Decimal text.
     Text,
-    /// Binary of the file's own byte order.
+    /// Binary in the byte order of the file.
     Binary {
-        /// Whether the bytes of a number are in the order opposite to this reader's, which is little-endian.
+        /// Whether the byte order is big-endian, the opposite of the reader's.
         swapped: bool,
-        /// Bytes of a `size_t`.
+        /// Size of a `size_t` \[bytes\].
         size: usize,
     },
 }
 
-/// A place in the file.
+/// A position in the file.
 #[derive(Debug, Clone)]
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
@@ -38,7 +38,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Skips white space and gives the section that begins here, without its `$`; none at the end of the file.
+    /// Skips white space and reads the name of the section that starts here, without its `$`; none at the end of the
+    /// file.
     pub(super) fn open(&mut self) -> Result<Option<String>, MshError> {
         self.skip_space();
         if self.at == self.bytes.len() {
@@ -46,7 +47,8 @@ impl<'a> Cursor<'a> {
         }
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        // A replaced character may be longer than its byte, so the text does not give the length of the word.
+        // A replacement character may be longer than the byte it replaces, so the length of the text is not that of the
+        // word.
         let name = std::str::from_utf8(&rest[..length])
             .ok()
             .and_then(|word| word.strip_prefix('$'));
@@ -62,13 +64,13 @@ impl<'a> Cursor<'a> {
         Ok(Some(name.to_owned()))
     }
 
-    /// The word that ends the section; sections of version 1 are in capitals.
+    /// The word that ends the section; version 1 uses capitals.
     fn end(&self) -> String {
         let of_version_1 = matches!(self.section.as_str(), "NOD" | "ELM");
         format!("{}{}", if of_version_1 { "$END" } else { "$End" }, self.section)
     }
 
-    /// Expects the end of the section.
+    /// Reads the end of the section.
     pub(super) fn close(&mut self) -> Result<(), MshError> {
         self.skip_space();
         let end = self.end();
@@ -86,7 +88,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// Leaves out the rest of the section.
+    /// Skips the rest of the section.
     pub(super) fn skip_section(&mut self) -> Result<(), MshError> {
         let end = self.end().into_bytes();
         let found = self.bytes[self.at..]
@@ -99,7 +101,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// The next word of text.
+    /// The next word.
     pub(super) fn word(&mut self) -> Result<&'a str, MshError> {
         self.skip_space();
         let rest = &self.bytes[self.at..];
@@ -117,13 +119,13 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next whole number of text, whatever the encoding.
+    /// The next integer written as text, whatever the encoding.
     pub(super) fn text_integer(&mut self) -> Result<i64, MshError> {
         let word = self.word()?;
         word.parse().map_err(|_| self.number(word, "a whole number"))
     }
 
-    /// The rest of a name in double quotes; quotes within it are retained.
+    /// Reads the rest of a name in double quotes; embedded quotes are retained.
     pub(super) fn quoted(&mut self) -> Result<String, MshError> {
         self.skip_space();
         let rest = &self.bytes[self.at..];
@@ -137,7 +139,7 @@ impl<'a> Cursor<'a> {
         Ok(name.to_owned())
     }
 
-    /// An `int`.
+    /// Reads an `int`.
     pub(super) fn int(&mut self) -> Result<i64, MshError> {
         match self.encoding {
             Encoding::Text => self.text_integer(),
@@ -148,7 +150,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A `size_t`.
+    /// Reads a `size_t`.
     pub(super) fn size(&mut self) -> Result<u64, MshError> {
         match self.encoding {
             Encoding::Text => {
@@ -161,7 +163,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A `double`.
+    /// Reads a `double`.
     pub(super) fn double(&mut self) -> Result<f64, MshError> {
         match self.encoding {
             Encoding::Text => {
@@ -172,8 +174,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// `count` as a number of items that each take at least `bytes` bytes; refused if the file is too short for them,
-    /// so that nothing is allocated for a damaged count.
+    /// Converts `count` to a number of items of at least `bytes` bytes each. Rejects it if the rest of the file is too
+    /// short, so that a damaged count does not allocate memory.
     pub(super) fn count(&self, what: &'static str, count: u64, bytes: usize) -> Result<usize, MshError> {
         let left = self.bytes.len() - self.at;
         usize::try_from(count)
@@ -187,7 +189,7 @@ impl<'a> Cursor<'a> {
             })
     }
 
-    /// Fewest bytes that a number takes: `binary` of them, or a digit and a space.
+    /// Minimum size of a number: `binary` bytes, or a digit and a space.
     pub(super) fn least(&self, binary: usize) -> usize {
         match self.encoding {
             Encoding::Text => 2,
@@ -195,7 +197,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Bytes of a `size_t`, or the fewest that a number of text takes.
+    /// Size of a `size_t`, or the minimum size of a number in text \[bytes\].
     pub(super) fn size_bytes(&self) -> usize {
         match self.encoding {
             Encoding::Text => 2,
@@ -203,19 +205,19 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The rest of this line, without its end.
+    /// The rest of this line, without its line end.
     pub(super) fn line(&mut self) -> String {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
         String::from_utf8_lossy(&rest[..length]).trim().to_owned()
     }
 
-    /// Four bytes as stored.
+    /// Reads four bytes as stored.
     pub(super) fn raw_four(&mut self) -> Result<[u8; 4], MshError> {
         self.take::<4>(false)
     }
 
-    /// Goes behind the end of this line.
+    /// Moves past the end of this line.
     pub(super) fn end_of_line(&mut self) {
         while let Some(&byte) = self.bytes.get(self.at) {
             self.at += 1;
@@ -225,7 +227,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The file ends here.
+    /// The error that the file ends here.
     pub(super) fn truncated(&self) -> MshError {
         MshError::Truncated {
             section: self.section.clone(),

@@ -1,13 +1,13 @@
 //! Faults of a `.msh` file.
 
-/// Faults of a `.msh` file; numbers of nodes and elements are those of the file.
+/// Faults of a `.msh` file; node and element numbers are those of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MshError {
-    /// The file does not begin as a `.msh` file does.
+    /// The file does not start like a `.msh` file.
     #[error("it does not begin with $MeshFormat: it is not a .msh file; write one with gmsh -format msh41")]
     NotMsh,
-    /// A version that is not supported.
+    /// The format version is not supported.
     #[error(
         "it has format version {found}; versions 1, 2, 4.0 and 4.1 are read: convert it with \
          gmsh FILE.msh -save -format msh41 -o NEW.msh"
@@ -16,28 +16,28 @@ pub enum MshError {
         /// The version found.
         found: String,
     },
-    /// A word of the header has a value that the format does not allow.
+    /// A word of the header has an invalid value.
     #[error("its header says {what} {found}; {expected}")]
     Header {
-        /// Which word.
+        /// Name of the word.
         what: &'static str,
-        /// What it says.
+        /// The value found.
         found: String,
-        /// What is expected.
+        /// The value expected.
         expected: &'static str,
     },
     /// The file ends too early.
     #[error("it ends within ${section}, at byte {byte}; the file is cut off: write it again")]
     Truncated {
-        /// The section that is not complete.
+        /// The incomplete section.
         section: String,
         /// Length of the file.
         byte: usize,
     },
-    /// A word that should be a number is none.
+    /// A word that should be a number is not.
     #[error("line {line}, in ${section}: found \"{found}\", expected {expected}")]
     Number {
-        /// Line in the file, from 1; counts lines before it even if they are binary.
+        /// Line in the file, from 1, counting line feeds in binary data too.
         line: usize,
         /// The section.
         section: String,
@@ -51,22 +51,22 @@ pub enum MshError {
     Count {
         /// The section.
         section: String,
-        /// What is counted.
+        /// The items counted.
         what: &'static str,
         /// The count announced.
         count: u64,
         /// Bytes left in the file.
         bytes: usize,
     },
-    /// A section does not end where its count requires.
+    /// A section does not end where its count implies.
     #[error("${section} continues beyond the end given by its counts (byte {byte}); the counts are wrong")]
     SectionEnd {
         /// The section.
         section: String,
-        /// Where the end was expected.
+        /// Position of the expected end.
         byte: usize,
     },
-    /// A section that is needed is missing.
+    /// A required section is missing.
     #[error("it has no ${section}; save the mesh with its nodes and elements")]
     NoSection {
         /// The section.
@@ -84,13 +84,13 @@ pub enum MshError {
         /// Third coordinate.
         z: f64,
     },
-    /// Two nodes have one number.
+    /// Two nodes have the same number.
     #[error("node {node} is given twice; renumber the nodes (gmsh: Mesh.Renumber)")]
     DuplicateNode {
         /// The number.
         node: u64,
     },
-    /// Two volume elements have one number.
+    /// Two volume elements have the same number.
     #[error(
         "element number {element} is given twice with different nodes; renumber the elements (gmsh: Mesh.Renumber)"
     )]
@@ -106,12 +106,12 @@ pub enum MshError {
         /// The earlier one.
         first: u64,
     },
-    /// An element refers to a node that does not exist.
+    /// An element refers to a missing node.
     #[error("element {element} refers to node {node}, which does not exist; save all nodes")]
     DanglingElement {
         /// The element.
         element: u64,
-        /// The node it names.
+        /// The node referred to.
         node: u64,
     },
     /// A named surface element lies on no volume element.
@@ -133,7 +133,7 @@ pub enum MshError {
         /// The node.
         node: u64,
     },
-    /// An element of a kind that cannot be used.
+    /// An element is of an unsupported type.
     #[error(
         "element {element} is of gmsh type {code} ({name}); use hexahedra of 8, 20 or 27 nodes, tetrahedra of 4 or 10, \
          prisms of 15 (gmsh: Mesh.ElementOrder = 2, for prisms and 20 nodes Mesh.SecondOrderIncomplete = 1)"
@@ -146,13 +146,13 @@ pub enum MshError {
         /// Its name.
         name: &'static str,
     },
-    /// Volume elements are missing.
+    /// There are no volume elements.
     #[error("it has no volume element ({surfaces} surface elements); mesh in three dimensions (gmsh -3)")]
     NoVolume {
-        /// Surface elements found.
+        /// Number of surface elements found.
         surfaces: usize,
     },
-    /// Volume elements belong to no named group.
+    /// A volume element belongs to no named group.
     #[error(
         "element {element} belongs to no named volume group; the named groups are: {known}. \
          Give every volume one (gmsh: Physical Volume(\"housing\") = {{...}};)"
@@ -160,7 +160,7 @@ pub enum MshError {
     NoGroup {
         /// The first such element.
         element: u64,
-        /// The groups there are, comma separated, or `none`.
+        /// The available groups, comma separated, or `none`.
         known: String,
     },
     /// A volume element belongs to two named groups.

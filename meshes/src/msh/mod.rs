@@ -1,7 +1,7 @@
 //! `.msh` files of gmsh, versions 1, 2, 4.0 and 4.1, text and binary.
 //!
 //! Named volumes (`Physical Volume("housing")`) become the parts of the mesh, named surfaces its face groups; other
-//! groups are left out. In a file without any name, the parts are its volume groups by number, or, without groups, its
+//! groups are ignored. In a file without names, the parts are its volume groups by number or, without groups, its
 //! volumes. Numbers in messages are those of the file. The formats are described in the gmsh reference manual (C.
 //! Geuzaine and J.-F. Remacle, version 4.8, chapters 9 and 10).
 
@@ -28,11 +28,11 @@ use crate::MeshError;
 /// First bytes of a compressed file (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// The largest file that is read, compressed or not \[byte\].
+/// Largest file size accepted, compressed or not \[byte\].
 pub const LARGEST: u64 = 4 << 30;
 
-/// Reads a `.msh` file, also one compressed by gzip. `unit` is the length of one unit of the file \[m\]. It is not used
-/// if the file's comments state lengths in metres, as those of [`to_bytes`] do.
+/// Reads a `.msh` file, which may be compressed with gzip. `unit` is the length of one unit of the file \[m\]. It is
+/// ignored if the file's comments state that lengths are in metres, as those of [`to_bytes`] do.
 ///
 /// # Errors
 /// [`MeshError::Read`] or [`MeshError::Msh`].
@@ -44,10 +44,10 @@ pub fn read(path: &Path, unit: f64) -> Result<Imported, MeshError> {
     parse(&bytes, unit, path)
 }
 
-/// Reads the content of a `.msh` file; `name` is for messages.
+/// Parses the contents of a `.msh` file; `name` is for messages.
 ///
 /// # Errors
-/// As [`read`].
+/// Same as [`read`].
 pub fn parse(bytes: &[u8], unit: f64, name: &Path) -> Result<Imported, MeshError> {
     let inflated;
     let bytes = if bytes.starts_with(&GZIP) {
@@ -72,7 +72,7 @@ pub fn parse(bytes: &[u8], unit: f64, name: &Path) -> Result<Imported, MeshError
         })
 }
 
-/// Compresses a file by gzip, without a time stamp.
+/// Compresses a file with gzip, without a time stamp.
 pub fn compressed(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::GzBuilder::new()
         .mtime(0)

@@ -1,11 +1,11 @@
-//! The content of a `.msh` file: numbered nodes, elements with their groups, names of groups.
+//! The raw contents of a `.msh` file: numbered nodes, elements with their groups, group names.
 
 use super::MshError;
 
-/// Comment that gives the unit in files written here; the format has no other place for it.
+/// Comment that states the unit in files written here; the format has no field for it.
 pub(super) const IN_METRES: &str = "lengths in m";
 
-/// The content of a file before anything is made of it.
+/// The contents of a file as read.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Raw {
     /// Dimension, number and name of each named group.
@@ -20,11 +20,11 @@ pub(super) struct Raw {
     pub(super) kinds: Vec<&'static Kind>,
     /// Index into `groups` of each element.
     pub(super) group: Vec<usize>,
-    /// Number of the geometric entity of each element; 0 if there is none.
+    /// Number of the geometric entity of each element; 0 if it has none.
     pub(super) entity: Vec<i64>,
-    /// Sets of physical groups of the elements, each set once; `groups[0]` is the empty set.
+    /// The distinct sets of physical groups of elements; `groups[0]` is the empty set.
     pub(super) groups: Vec<Vec<i64>>,
-    /// Start of each element's nodes in `nodes_of`, and the end: one entry more than elements.
+    /// Start of each element's nodes in `nodes_of`, followed by the end of the last: one entry more than elements.
     pub(super) offsets: Vec<usize>,
     /// Numbers of the nodes of all elements, in gmsh's order.
     pub(super) nodes_of: Vec<u64>,
@@ -48,7 +48,7 @@ const fn kind(code: i64, name: &'static str, dimension: i64, nodes: usize) -> Ki
     }
 }
 
-/// Element types of gmsh up to second order, and those of higher order that need a name in a message.
+/// gmsh element types up to second order, and those of higher order that messages name.
 const KINDS: [Kind; 28] = [
     kind(1, "line of 2 nodes", 1, 2),
     kind(2, "triangle of 3 nodes", 2, 3),
@@ -81,7 +81,7 @@ const KINDS: [Kind; 28] = [
 ];
 
 impl Kind {
-    /// The type of this number; `element` is for the message.
+    /// Looks up a type by its number; `element` is for the message.
     pub(super) fn of(code: i64, element: u64) -> Result<&'static Self, MshError> {
         KINDS.iter().find(|kind| kind.code == code).ok_or(MshError::Element {
             element,
@@ -102,7 +102,7 @@ impl Raw {
         &self.nodes_of[self.offsets[element]..self.offsets[element + 1]]
     }
 
-    /// Takes up a node.
+    /// Adds a node.
     pub(super) fn node(&mut self, node: u64, position: [f64; 3]) -> Result<(), MshError> {
         if position.iter().any(|x| !x.is_finite()) {
             let [x, y, z] = position;
@@ -114,7 +114,7 @@ impl Raw {
 
     /// Index of a set of physical groups.
     pub(super) fn group_set(&mut self, set: &[i64]) -> usize {
-        // Elements of one group follow each other in a file: the last set is the one in most cases.
+        // Elements of one group are consecutive in a file, so the set is usually the last one used.
         if let Some(&last) = self.group.last()
             && self.groups[last] == set
         {
@@ -126,7 +126,7 @@ impl Raw {
         })
     }
 
-    /// Takes up an element whose nodes have just been appended to `nodes_of`.
+    /// Adds an element whose nodes have just been appended to `nodes_of`.
     pub(super) fn element(&mut self, number: u64, kind: &'static Kind, group: usize, entity: i64) {
         self.numbers.push(number);
         self.kinds.push(kind);

@@ -9,7 +9,7 @@ use super::{v2, v4};
 /// Reads all sections of a file.
 pub(super) fn sections(bytes: &[u8]) -> Result<Raw, MshError> {
     let mut cursor = Cursor::new(bytes);
-    // A file of version 1 has no header.
+    // Files of version 1 have no header.
     let version = match cursor.clone().open() {
         Ok(Some(name)) if name == "MeshFormat" => {
             cursor.open()?;

@@ -4,15 +4,15 @@ use super::MshError;
 use super::cursor::{Cursor, Encoding};
 use super::raw::{Kind, Raw};
 
-/// Largest number of tags an element may have; gmsh writes 2, and a few more for partitions.
+/// Largest number of tags per element; gmsh writes 2, and a few more for partitions.
 const MOST_TAGS: i64 = 64;
 
 pub(super) fn nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
     each_node(cursor, raw, |_| Ok(()))
 }
 
-/// Nodes that gmsh saved with `Mesh.SaveParametric`. The coordinates are followed by dimension and number of the entity
-/// that the node is on, and its parameters there, one on a curve and two on a surface.
+/// Reads nodes that gmsh saved with `Mesh.SaveParametric`. Their coordinates are followed by the dimension and number
+/// of the entity they lie on, and by their parameters on it: one on a curve, two on a surface.
 pub(super) fn parametric_nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
     each_node(cursor, raw, |cursor| {
         let (dimension, _entity) = (cursor.int()?, cursor.int()?);
@@ -23,7 +23,7 @@ pub(super) fn parametric_nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result
     })
 }
 
-/// Reads number and coordinates of every node, and passes over what follows them.
+/// Reads the number and coordinates of every node, and skips what follows them.
 fn each_node(
     cursor: &mut Cursor<'_>,
     raw: &mut Raw,
@@ -78,7 +78,7 @@ pub(super) fn elements(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), Msh
                 let (code, block, tags) = (cursor.int()?, cursor.int()?, cursor.int()?);
                 let kind = Kind::of(code, 0)?;
                 let block = cursor.count("elements", u64::try_from(block).unwrap_or(u64::MAX), 8)?;
-                // An empty block would let a damaged file go round for ever.
+                // With an empty block, a damaged file could cause an infinite loop.
                 for _ in 0..block.max(1).min(count - read) {
                     let element = number(cursor)?;
                     one(cursor, raw, element, kind, tags)?;
@@ -110,7 +110,7 @@ fn one(cursor: &mut Cursor<'_>, raw: &mut Raw, element: u64, kind: &'static Kind
     with_nodes(cursor, raw, (element, kind), (physical, entity))
 }
 
-/// Takes up an element, whose nodes follow.
+/// Adds an element, whose nodes follow.
 fn with_nodes(
     cursor: &mut Cursor<'_>,
     raw: &mut Raw,
@@ -133,7 +133,7 @@ fn announced(cursor: &mut Cursor<'_>) -> Result<u64, MshError> {
     Ok(u64::try_from(count).unwrap_or(u64::MAX))
 }
 
-/// A number of a node or element. A negative one becomes a number that nothing has.
+/// Reads the number of a node or element. A negative number is mapped to one that no node or element has.
 fn number(cursor: &mut Cursor<'_>) -> Result<u64, MshError> {
     Ok(u64::try_from(cursor.int()?).unwrap_or(u64::MAX))
 }

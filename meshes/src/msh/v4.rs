@@ -1,7 +1,7 @@
 //! Entities, nodes and elements of versions 4.0 and 4.1.
 //!
-//! Version 4.0 (gmsh 4.0 and 4.1) gives the number of an entity before its dimension, writes each node's number in
-//! front of its coordinates, and numbers nodes and elements by `int`.
+//! Version 4.0 (gmsh 4.0 and 4.1) writes the number of an entity before its dimension, writes each node's number before
+//! its coordinates, and stores node and element numbers as `int`.
 
 use std::collections::HashMap;
 
@@ -19,7 +19,7 @@ pub(super) enum Layout {
 }
 
 impl Layout {
-    /// The number of a node or an element.
+    /// Reads the number of a node or an element.
     fn number(self, cursor: &mut Cursor<'_>) -> Result<u64, MshError> {
         match self {
             Self::V40 => Ok(u64::try_from(cursor.int()?).unwrap_or(u64::MAX)),
@@ -27,7 +27,7 @@ impl Layout {
         }
     }
 
-    /// Fewest bytes of such a number.
+    /// Minimum size of such a number \[bytes\].
     fn number_bytes(self, cursor: &Cursor<'_>) -> usize {
         match self {
             Self::V40 => cursor.least(4),
@@ -44,7 +44,7 @@ impl Layout {
         })
     }
 
-    /// Coordinates that give the place of an entity of a dimension: a point's own, or the corners of a box.
+    /// Number of coordinates that locate an entity of a dimension: a point, or the corners of a box.
     fn coordinates(self, dimension: i64) -> usize {
         match (self, dimension) {
             (Self::V41, 0) => 3,
@@ -63,7 +63,7 @@ impl Entities {
         self.of_all_dimensions(cursor, layout, |_, _| Ok(None))
     }
 
-    /// Reads `$PartitionedEntities`: pieces of the entities, each with its parent and its own groups. A piece without
+    /// Reads `$PartitionedEntities`: pieces of entities, each with its parent and its own groups. A piece without
     /// groups has those of its parent.
     pub(super) fn read_partitioned(&mut self, cursor: &mut Cursor<'_>, layout: Layout) -> Result<(), MshError> {
         cursor.size()?; // partitions
@@ -101,7 +101,7 @@ impl Entities {
                 if dimension > 0 {
                     list(cursor, "bounding entities")?;
                 }
-                // The interface of two volumes is a surface whose parent is a volume: it does not belong to the
+                // The interface of two volumes is a surface whose parent is a volume; it does not belong to the
                 // volume's groups.
                 if let Some(parent) = parent.filter(|(own, _)| groups.is_empty() && *own == dimension) {
                     groups = self.0.get(&parent).cloned().unwrap_or_default();

@@ -1,28 +1,28 @@
-//! Writing `.msh` files.
+//! Writes `.msh` files.
 
 use std::collections::HashMap;
 
 use super::build::kind_of;
 use crate::{FaceKind, Mesh};
 
-/// How a `.msh` file is written.
+/// Format of a `.msh` file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Version 2.2, which most programs read, as text.
+    /// Version 2.2 as text, which most programs read.
     Text22,
-    /// Version 2.2, binary, little-endian.
+    /// Version 2.2 as little-endian binary.
     Binary22,
     /// Version 4.1 as text.
     Text41,
-    /// Version 4.1, binary, little-endian.
+    /// Version 4.1 as little-endian binary.
     Binary41,
 }
 
-/// A `.msh` file of a mesh: its parts as named volumes, its face groups as named surfaces; lengths in metres.
+/// Writes a mesh as a `.msh` file: its parts as named volumes, its face groups as named surfaces; lengths in metres.
 ///
-/// Nodes and elements are numbered from 1 in the order of the mesh, the faces of groups after the elements. The
-/// comments contain `comment`, on one line, and state that the lengths are in metres. See
-/// [`compressed`](super::compressed) for `.msh.gz`.
+/// Nodes and elements are numbered from 1 in the order of the mesh, with the faces of groups after the elements. The
+/// comments contain `comment`, on one line, and state that lengths are in metres. See [`compressed`](super::compressed)
+/// for `.msh.gz`.
 pub fn to_bytes(mesh: &Mesh, format: Format, comment: &str) -> Vec<u8> {
     let mut out = Out {
         bytes: Vec::new(),
@@ -71,7 +71,7 @@ struct Block {
     elements: Vec<Vec<usize>>,
 }
 
-/// Volume elements in runs of one type and part, then the faces of each group.
+/// Volume elements in runs of equal type and part, followed by the faces of each group.
 fn blocks(mesh: &Mesh) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut push = |dimension: i32, code: i32, group: usize, nodes: Vec<usize>| match blocks.last_mut() {
@@ -102,7 +102,7 @@ fn blocks(mesh: &Mesh) -> Vec<Block> {
     }
     for (group, faces) in mesh.groups.iter().enumerate() {
         for &face in &faces.faces {
-            // Nodes of surface elements have the same order in VTK and gmsh.
+            // The node order of surface elements is the same in VTK and gmsh.
             let code = match mesh.face_kind(face) {
                 FaceKind::Tri3 => 2,
                 FaceKind::Quad4 => 3,
@@ -205,7 +205,7 @@ fn version_4(out: &mut Out, mesh: &Mesh, blocks: &[Block]) {
     out.text("$EndElements\n");
 }
 
-/// Numbers as text or binary.
+/// Output of numbers as text or binary.
 struct Out {
     bytes: Vec<u8>,
     binary: bool,
@@ -240,7 +240,7 @@ impl Out {
         }
     }
 
-    /// Ends a row of text.
+    /// Ends a line of text.
     fn row(&mut self) {
         if !self.binary {
             self.line();

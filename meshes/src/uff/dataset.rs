@@ -1,8 +1,8 @@
-//! Datasets of a universal file: their lines, and the numbers on them.
+//! Datasets of a universal file: their lines, and the numbers in them.
 
 use std::path::{Path, PathBuf};
 
-/// Faults of a universal file.
+/// Errors in a universal file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum UffError {
@@ -11,10 +11,10 @@ pub enum UffError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A line is not what its dataset needs.
+    /// A line does not match its dataset's format.
     #[error("{}, line {line}, dataset {dataset}: expected {expected}, found \"{found}\"", path.display())]
     Line {
         /// The file.
@@ -23,7 +23,7 @@ pub enum UffError {
         line: usize,
         /// The dataset.
         dataset: u64,
-        /// What is expected.
+        /// Expected content.
         expected: &'static str,
         /// The text found.
         found: String,
@@ -33,23 +33,23 @@ pub enum UffError {
     Truncated {
         /// The file.
         path: PathBuf,
-        /// Where it begins, from 1.
+        /// Line at which it begins, from 1.
         line: usize,
         /// Its number.
         dataset: u64,
     },
-    /// A dataset in a form that is not read.
+    /// A dataset has an unsupported form.
     #[error("{}, line {line}: dataset {dataset} is {found}; write it as {expected}", path.display())]
     Form {
         /// The file.
         path: PathBuf,
-        /// Where it begins, from 1.
+        /// Line at which it begins, from 1.
         line: usize,
         /// Its number.
         dataset: u64,
-        /// What it is.
+        /// Form found.
         found: &'static str,
-        /// What is read.
+        /// Supported forms.
         expected: &'static str,
     },
     /// A binary dataset contains a number that is not finite.
@@ -57,16 +57,16 @@ pub enum UffError {
     NotFinite {
         /// The file.
         path: PathBuf,
-        /// Where it begins, from 1.
+        /// Line at which it begins, from 1.
         line: usize,
         /// Its number.
         dataset: u64,
-        /// The sample, from 1.
+        /// Index of the sample, from 1.
         sample: usize,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// A node names a coordinate system that the file does not give.
+    /// A node refers to a coordinate system that the file does not define.
     #[error(
         "{}, line {line}, dataset {dataset}: the node names coordinate system {system}, which the file does not give \
          (known: \
@@ -82,10 +82,10 @@ pub enum UffError {
         dataset: u64,
         /// The label of the system.
         system: u64,
-        /// The labels that there are, comma separated, or `none`.
+        /// The labels defined, comma separated, or `none`.
         known: String,
     },
-    /// The reference systems of a coordinate system lead to no global one.
+    /// A coordinate system is not connected to the global one by its reference systems.
     #[error(
         "{}: coordinate system {system} has a reference system that leads back to itself or is not Cartesian; give it \
          in terms of a \
@@ -97,7 +97,7 @@ pub enum UffError {
         /// The label of the system.
         system: u64,
     },
-    /// It contains no modes.
+    /// The file contains no modes.
     #[error(
         "{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, \
          7){}", path.display(), others(*analyses)
@@ -105,12 +105,12 @@ pub enum UffError {
     NoModes {
         /// The file.
         path: PathBuf,
-        /// How many datasets 2414 it has.
+        /// Number of datasets 2414.
         analyses: usize,
     },
 }
 
-/// Results of simulations, which may be modes, in a dataset that is not read.
+/// Mentions datasets that are not read but may contain modes from a simulation.
 fn others(analyses: usize) -> String {
     match analyses {
         0 => String::new(),
@@ -130,15 +130,15 @@ pub(super) struct Block<'a> {
     pub(super) lines: &'a [&'a str],
 }
 
-/// A dataset of a file; its text is decoded when it is read.
+/// A dataset of a file; its text is decoded only when it is read.
 pub(super) struct Dataset<'a> {
     pub(super) number: u64,
     /// Number of its first line in the file, from 1.
     first: usize,
     text: &'a [u8],
-    /// The bytes after the lines of a binary dataset.
+    /// The bytes that follow the lines of a binary dataset.
     pub(super) binary: Option<Binary<'a>>,
-    /// Why it cannot be read; another dataset of the file may be.
+    /// Why it cannot be read; other datasets of the file may still be readable.
     damage: Option<Damage>,
 }
 
@@ -147,11 +147,11 @@ pub(super) struct Dataset<'a> {
 pub(super) enum Damage {
     /// Its end is missing.
     CutOff,
-    /// A binary dataset whose header does not state its length.
+    /// A binary dataset whose header does not give its length.
     Length,
 }
 
-/// Bytes of a binary dataset.
+/// Data of a binary dataset.
 #[derive(Clone, Copy)]
 pub(super) struct Binary<'a> {
     /// 1 least significant byte first, 2 most significant byte first.
@@ -162,12 +162,12 @@ pub(super) struct Binary<'a> {
 }
 
 impl Dataset<'_> {
-    /// Whether the file ends within it, so that datasets may be missing behind it.
+    /// Whether the file ends within it, so that later datasets may be missing.
     pub(super) fn is_cut_off(&self) -> bool {
         self.damage == Some(Damage::CutOff)
     }
 
-    /// Calls `read` with the lines, in UTF-8 or Windows-1252.
+    /// Calls `read` with the lines, decoded from UTF-8 or Windows-1252.
     pub(super) fn read<T>(
         &self,
         path: &Path,
@@ -204,16 +204,16 @@ impl Dataset<'_> {
     }
 }
 
-/// Lines of a file, one after the other.
+/// Reads the lines of a file one by one.
 struct Walk<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Number of the line at `at`, from 1.
+    /// Number of the current line, from 1.
     line: usize,
 }
 
 impl<'a> Walk<'a> {
-    /// The next line, with its end; none at the end of the file.
+    /// The next line, including its line end; none at the end of the file.
     fn next(&mut self) -> Option<&'a [u8]> {
         let rest = &self.bytes[self.at..];
         if rest.is_empty() {
@@ -241,7 +241,7 @@ fn is_end(line: &[u8]) -> bool {
     line.trim_ascii() == b"-1"
 }
 
-/// The datasets of a file, in their order. A faulty one is an error on reading, not here.
+/// The datasets of a file, in order. An error in a dataset is reported when it is read, not here.
 pub(super) fn datasets(bytes: &[u8]) -> Vec<Dataset<'_>> {
     let mut walk = Walk { bytes, at: 0, line: 1 };
     let mut datasets = Vec::new();
@@ -272,7 +272,7 @@ pub(super) fn datasets(bytes: &[u8]) -> Vec<Dataset<'_>> {
             let text = &bytes[start..walk.at];
             let content = usize::try_from(*length).ok().filter(|_| whole);
             let content = content.and_then(|length| walk.take(length));
-            // Some programs end the line behind the bytes, some do not.
+            // Some programs end the line after the bytes, others do not.
             let end = std::iter::from_fn(|| walk.next()).find(|line| !line.trim_ascii().is_empty());
             match content.filter(|_| end.is_some_and(is_end)) {
                 Some(content) => {
@@ -309,12 +309,12 @@ pub(super) fn datasets(bytes: &[u8]) -> Vec<Dataset<'_>> {
 }
 
 impl Block<'_> {
-    /// An error of a whole line.
+    /// An error concerning a complete line.
     pub(super) fn error(&self, line: usize, expected: &'static str) -> UffError {
         self.unexpected(line, expected, self.lines.get(line).unwrap_or(&""))
     }
 
-    /// An error of a part of a line.
+    /// An error concerning part of a line.
     pub(super) fn unexpected(&self, line: usize, expected: &'static str, found: &str) -> UffError {
         UffError::Line {
             path: self.path.to_owned(),
@@ -325,7 +325,8 @@ impl Block<'_> {
         }
     }
 
-    /// Numbers of one line, with `D` as an exponent; fields of 13 that have run together are separated.
+    /// Parses the numbers of a line, with `D` also accepted in exponents; fields of width 13 without separators are
+    /// split.
     pub(super) fn numbers(&self, line: usize, expected: &'static str) -> Result<Vec<f64>, UffError> {
         let text = self.lines.get(line).ok_or_else(|| self.error(line, expected))?;
         let number = |word: &str| {

@@ -1,4 +1,4 @@
-//! Reading time histories of universal files: dataset 58, "function at nodal DOF", in text and binary.
+//! Reads time histories of universal files: dataset 58, "function at nodal DOF", in text and binary.
 
 use std::path::Path;
 
@@ -8,37 +8,37 @@ use nailnoise_documents::text::utf8;
 /// Samples of a quantity over time or another abscissa.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
-    /// Its first line of description.
+    /// First line of its description.
     pub name: String,
     /// Function type: 1 time response, 2 auto spectrum, 4 frequency response, 9 power spectral density, 0 unknown.
     pub kind: i64,
     /// Specific data types of abscissa and ordinate: 17 time, 8 displacement, 9 reaction force, 12 acceleration, 13
     /// excitation force, 0 unknown.
     pub kinds: [i64; 2],
-    /// Labels of their units; empty if there are none.
+    /// Labels of their units; empty if not given.
     pub units: [String; 2],
-    /// Line of the file where it begins, from 1.
+    /// Line of the file at which it begins, from 1.
     pub line: usize,
     /// The abscissa, in its unit.
     pub abscissa: Vec<f64>,
     /// The ordinate, in its unit.
     pub ordinate: Vec<f64>,
-    /// Line of the file with each sample, from 1; for binary samples, the line where their bytes begin.
+    /// Line of each sample in the file, from 1; for binary samples, the line at which their bytes begin.
     pub lines: Vec<usize>,
 }
 
 const HEADER: &str = "data type, number of values, spacing, first abscissa, increment";
 
-/// Reads the functions of a universal file, in their order; other datasets are left out. `path` is for messages.
+/// Reads the functions of a universal file, in order; other datasets are skipped. `path` is for messages.
 ///
-/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision). Each has its own
-/// result, because one that cannot be read leaves the others as they are: test systems write time histories, spectra
-/// and frequency responses of a run into one file. Where the file ends within a dataset of another kind, the last
-/// result states that.
+/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision). Each function has
+/// its own result, because test systems write time histories, spectra and frequency responses of a run into one file,
+/// and an unreadable one must not affect the others. If the file ends within a dataset of another kind, the last result
+/// says so.
 ///
 /// # Errors
-/// [`UffError::Truncated`]; [`UffError::Line`] with the line that cannot be read; [`UffError::NotFinite`];
-/// [`UffError::Form`] for complex data and for binary data of machines without IEEE 754.
+/// [`UffError::Truncated`]; [`UffError::Line`] for an unreadable line; [`UffError::NotFinite`]; [`UffError::Form`] for
+/// complex data, and for binary data not in IEEE 754.
 pub fn functions(bytes: &[u8], path: &Path) -> Vec<Result<Function, UffError>> {
     datasets(&utf8(bytes))
         .iter()
@@ -47,9 +47,9 @@ pub fn functions(bytes: &[u8], path: &Path) -> Vec<Result<Function, UffError>> {
         .collect()
 }
 
-/// Whether a file is a universal one: its first line that is not empty is -1.
+/// Whether a file is a universal file: its first nonempty line is -1.
 pub fn is_universal(bytes: &[u8]) -> bool {
-    // The first lines suffice, so that long recordings are not copied.
+    // The first lines suffice; this avoids copying long recordings.
     let text = utf8(&bytes[..bytes.len().min(4096)]);
     let mut lines = text.split(|byte| *byte == b'\n');
     lines
@@ -57,7 +57,7 @@ pub fn is_universal(bytes: &[u8]) -> bool {
         .is_some_and(|line| line.trim_ascii() == b"-1")
 }
 
-/// Data type, spacing and axis of the samples, record 7 of the dataset.
+/// Data type, spacing and axis of the samples: record 7 of the dataset.
 struct Layout {
     double: bool,
     even: bool,
@@ -77,10 +77,10 @@ impl Block<'_> {
         }
     }
 
-    /// The function type, the first number of record 6.
+    /// The function type: the first number of record 6.
     fn kind(&self) -> i64 {
         let line = self.lines.get(5).unwrap_or(&"");
-        // The field has five columns and may run into the next one.
+        // The field is five columns wide and may touch the next one.
         let word = line.get(..5).unwrap_or(line).trim();
         word.parse().unwrap_or(0)
     }
@@ -139,9 +139,9 @@ impl Block<'_> {
         Ok(function)
     }
 
-    /// Samples in text.
+    /// Reads samples in text.
     fn words(&self, layout: &Layout, function: &mut Function) -> Result<(), UffError> {
-        // Widths of the fields of abscissa and ordinate in a row, for separating run-together numbers.
+        // Widths of the abscissa and ordinate fields in a row, used to split numbers without separators.
         let widths: &[usize] = match (layout.even, layout.double) {
             (true, false) | (false, false) => &[13],
             (true, true) => &[20],
@@ -172,8 +172,8 @@ impl Block<'_> {
         }
     }
 
-    /// Samples in IEEE 754. An uneven abscissa is in single precision or, as some programs write it, in that of the
-    /// ordinate.
+    /// Reads samples in IEEE 754. An uneven abscissa is in single precision or, in files of some programs, in the
+    /// precision of the ordinate.
     fn bytes(&self, binary: Binary<'_>, layout: &Layout, function: &mut Function) -> Result<(), UffError> {
         const EXPECTED: &str = "IEEE 754 (format 2), byte order 1 or 2, or as text";
         let little = match (binary.order, binary.format) {
@@ -217,7 +217,7 @@ impl Block<'_> {
         Ok(())
     }
 
-    /// The values of a line: separate words, or fields of these widths in turn.
+    /// Reads the values of a line: separated words, or fields of alternating widths.
     fn samples(&self, line: usize, widths: &[usize], values: &mut Vec<f64>) -> Result<(), UffError> {
         let text = self.lines[line].trim_end();
         let number = |word: &str| {

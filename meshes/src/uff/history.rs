@@ -1,10 +1,10 @@
-//! Writing time histories: dataset 58, "function at nodal DOF", in text.
+//! Writes time histories: dataset 58, "function at nodal DOF", in text.
 
 use std::fmt::Write as _;
 
 use super::write::fortran;
 
-/// Lines of a dataset before its values.
+/// Number of lines of a dataset before its values.
 const HEADER_LINES: usize = 11;
 
 /// The quantity of a time history: its specific data type, name and unit.
@@ -25,30 +25,30 @@ impl Ordinate {
     }
 }
 
-/// Samples of a quantity at even intervals, to be written.
+/// Uniformly sampled values of a quantity, to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct History<'a> {
-    /// The recorded quantity: the first line of description, cut to 80 characters.
+    /// Name of the recorded quantity: the first line of the description, truncated to 80 characters.
     pub title: &'a str,
-    /// Where it comes from: the second line.
+    /// Origin of the data: the second line.
     pub origin: &'a str,
-    /// Name of the sensor, cut to ten characters.
+    /// Name of the sensor, truncated to ten characters.
     pub sensor: &'a str,
     /// Node number of the sensor.
     pub node: usize,
     /// The quantity.
     pub ordinate: Ordinate,
-    /// Time between samples \[s\]; the format stores six digits of it.
+    /// Sampling interval \[s\]; the format stores six digits of it.
     pub interval: f64,
     /// The samples, in the unit of the quantity.
     pub values: &'a [f64],
 }
 
 impl History<'_> {
-    /// Appends the dataset to a file.
+    /// Appends the dataset to a file in text form.
     ///
-    /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data
-    /// type 17 is time. Reference direction 0 is a scalar, which a sensor's axis is.
+    /// Function type 1 is a time response, data type 4 is real double precision, abscissa spacing 1 is even, specific
+    /// data type 17 is time. Reference direction 0 is a scalar, which suits the axis of a sensor.
     pub fn write(&self, text: &mut Vec<u8>) {
         text.extend_from_slice(format!("{:>6}\n{:>6}\n", -1, 58).as_bytes());
         text.extend_from_slice(self.records(4).as_bytes());
@@ -59,8 +59,8 @@ impl History<'_> {
         text.extend_from_slice(b"    -1\n");
     }
 
-    /// Appends the dataset with its values in binary form, 58b: IEEE 754, single precision, least significant byte
-    /// first; five times shorter than text.
+    /// Appends the dataset in binary form, 58b: IEEE 754, single precision, least significant byte first; a fifth of
+    /// the size of text.
     pub fn write_binary(&self, bytes: &mut Vec<u8>) {
         let header = format!(
             "{:>6}\n{:>6}b{:>6}{:>6}{:>12}{:>12}{:>6}{:>6}{:>12}{:>12}\n",
@@ -83,7 +83,8 @@ impl History<'_> {
         bytes.extend_from_slice(b"\n    -1\n");
     }
 
-    /// The records of the dataset before its values, of data type `data`: 2 real single, 4 real double precision.
+    /// The records of the dataset before its values; `data` is the data type: 2 for real single, 4 for real double
+    /// precision.
     fn records(&self, data: u32) -> String {
         // Writing to a string cannot fail, so the results of `writeln` are ignored.
         let mut text = String::new();

@@ -1,9 +1,10 @@
-//! Universal files (SDRC-UFF) for modal-test software: nodes (datasets 15 and 2411), elements (2412), mode shapes (55),
-//! time histories (58); coordinate systems of nodes (18 and 2420) and the unit of length (164) are read.
+//! Universal files (SDRC-UFF) for modal-test software. Nodes (datasets 15 and 2411), elements (2412), mode shapes (55)
+//! and time histories (58) are read and written; coordinate systems of nodes (18 and 2420) and the unit of length (164)
+//! are read.
 //!
 //! Formats: Structural Dynamics Research Laboratory, University of Cincinnati, *Universal File Formats for Modal
-//! Analysis Testing*. Lengths are in m, shapes in the unit of the caller. The skin is written, not the volume: test
-//! software draws the skin, and it can be measured.
+//! Analysis Testing*. Lengths are in m, mode shapes in the unit of the caller. The skin is written instead of the
+//! volume, because it is what test software draws and what can be measured.
 
 mod dataset;
 mod function;

@@ -1,4 +1,4 @@
-//! Reading universal files: nodes and measured modes.
+//! Reads universal files: nodes and measured modes.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -11,11 +11,12 @@ use super::systems::{Axes, LocalNode, Systems};
 /// Nodes and modes of a modal test.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measurement {
-    /// Position of each node by its label \[m\], in global axes; empty without the datasets 15, 781 and 2411.
+    /// Position of each node by its label \[m\], in global axes; empty if the file has none of the datasets 15, 781 and
+    /// 2411.
     pub nodes: HashMap<u64, Point3<f64>>,
-    /// Axes of the displacements of each node whose axes are not the global ones, by its label.
+    /// Displacement axes of nodes whose axes differ from the global ones, by label.
     pub axes: HashMap<u64, Axes>,
-    /// The modes, in the order of the file.
+    /// The modes, in file order.
     pub modes: Vec<MeasuredMode>,
 }
 
@@ -24,18 +25,18 @@ pub struct Measurement {
 pub struct MeasuredMode {
     /// Natural frequency \[Hz\].
     pub hz: f64,
-    /// Complex displacement of each node along its axes, see [`Measurement::axes`], in any unit.
+    /// Complex displacement of each node along its axes (see [`Measurement::axes`]), in arbitrary units.
     pub shape: Vec<(u64, [Complex<f64>; 3])>,
 }
 
-/// The largest file that is read \[byte\].
+/// Largest file size accepted \[byte\].
 const LARGEST: u64 = 1 << 30;
 
-/// Factors of units in dataset 164, from those of kilometres and meganewtons to those of nanometres and nanonewtons.
+/// Accepted range of the unit factors in dataset 164: from kilometres and meganewtons to nanometres and nanonewtons.
 const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
-/// Reads datasets 15, 781 and 2411 (nodes), 18 and 2420 (their coordinate systems), 164 (units) and 55 (modes); others
-/// are left out.
+/// Reads datasets 15, 781 and 2411 (nodes), 18 and 2420 (their coordinate systems), 164 (units) and 55 (modes); skips
+/// others.
 ///
 /// # Errors
 /// [`UffError`].
@@ -47,20 +48,20 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
     parse(&bytes, path)
 }
 
-/// Units of length \[m\] and force \[N\] of a universal file by its dataset 164; none where it has none.
+/// Units of length \[m\] and force \[N\] from dataset 164 of a universal file; none without that dataset.
 ///
 /// # Errors
-/// [`UffError::Line`] for factors that cannot be read; [`UffError::Truncated`].
+/// [`UffError::Line`] for invalid factors; [`UffError::Truncated`].
 pub fn units(bytes: &[u8], path: &Path) -> Result<Option<[f64; 2]>, UffError> {
     let last = datasets(bytes).into_iter().rfind(|dataset| dataset.number == 164);
     last.map(|dataset| dataset.read(path, |block| block.units()))
         .transpose()
 }
 
-/// Reads the content of a universal file; `path` is for messages.
+/// Parses the contents of a universal file; `path` is for messages.
 ///
 /// # Errors
-/// As [`read`].
+/// Same as [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
     let mut measurement = Measurement::default();
     let (mut nodes, mut systems, mut metres) = (HashMap::new(), Systems::default(), 1.0);
@@ -118,7 +119,7 @@ impl Block<'_> {
                 dataset: self.dataset,
                 line: self.first + line,
             };
-            // Datasets 781 and 2411 have more digits than 15 and take its place.
+            // Datasets 781 and 2411 have more digits than 15 and replace it.
             if lines_each == 2 {
                 nodes.insert(label as u64, node);
             } else {
@@ -128,8 +129,8 @@ impl Block<'_> {
         Ok(())
     }
 
-    /// Units of length \[m\] and force \[N\] of the file, from dataset 164, which gives the factors by which a length
-    /// and a force in the file are divided for those in SI units.
+    /// Units of length \[m\] and force \[N\] of the file, from dataset 164. It gives the factors by which values in the
+    /// file are divided to obtain SI units.
     fn units(&self) -> Result<[f64; 2], UffError> {
         let expected = "factors of the units of length, force and temperature";
         match self.numbers(1, expected)?.as_slice() {

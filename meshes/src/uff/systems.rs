@@ -1,7 +1,7 @@
 //! Coordinate systems of universal files: datasets 18 and 2420.
 //!
-//! A node names two of them: that of its coordinates and that of its displacements. Modal-test software gives each
-//! sensor its own axes in this way.
+//! A node refers to two of them: one for its coordinates and one for its displacements. Modal-test software uses this
+//! to give each sensor its own axes.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::dataset::{Block, UffError};
 
-/// Components along the three axes of a node's displacement system, in terms of the global ones: row i is axis i.
+/// Directions of a node's displacement axes in global components: row i is axis i.
 pub type Axes = Matrix3<f64>;
 
 /// Kind of a coordinate system.
@@ -18,38 +18,38 @@ pub type Axes = Matrix3<f64>;
 enum Kind {
     Cartesian,
     Cylindrical,
-    /// Read, but not used: programs differ in the order of its angles.
+    /// Read but not supported, because programs differ in the order of its angles.
     Spherical,
 }
 
-/// A coordinate system as its file gives it, in terms of a reference system.
+/// A coordinate system as defined in its file, relative to a reference system.
 #[derive(Debug, Clone, Copy)]
 struct System {
     kind: Kind,
-    /// Label of the reference system of the others; 0 is the global one.
+    /// Label of the reference system of the other fields; 0 is the global system.
     reference: u64,
     /// Row i is axis i.
     axes: Matrix3<f64>,
     origin: Point3<f64>,
 }
 
-/// Lines of a system in dataset 18 and in dataset 2420.
+/// Number of lines of a system in dataset 18 and in dataset 2420.
 const LINES: [usize; 2] = [4, 6];
 
-/// Lines before the first system of dataset 2420: number and name of the part.
+/// Number of lines before the first system of dataset 2420: number and name of the part.
 const PART: usize = 2;
 
-/// The label of the global system in datasets 2411 and 781, whose labels begin at 1 in I-DEAS.
+/// The label of the global system in datasets 2411 and 781; labels begin at 1 in I-DEAS.
 const GLOBAL: u64 = 1;
 
-/// How far the axes of dataset 2420 may be from unit vectors at right angles.
+/// Largest deviation of the axes in dataset 2420 from orthonormal.
 const ORTHONORMAL: f64 = 1e-4;
 
-/// The systems of a file by their labels.
+/// The coordinate systems of a file by label.
 #[derive(Debug, Default)]
 pub(super) struct Systems(HashMap<u64, System>);
 
-/// A node as its file gives it.
+/// A node as defined in its file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LocalNode {
     /// Label of the system of its coordinates.
@@ -107,7 +107,7 @@ impl Systems {
         Ok(())
     }
 
-    /// Reads dataset 2420: label, kind, colour; name; three rows with an axis each, and the origin.
+    /// Reads dataset 2420: label, kind, colour; name; three rows with one axis each; and the origin.
     pub(super) fn read_2420(&mut self, block: &Block<'_>) -> Result<(), UffError> {
         let mut line = PART;
         while line < block.lines.len() {
@@ -154,16 +154,16 @@ impl Systems {
         }
     }
 
-    /// Lengths in the unit of the file become metres.
+    /// Converts lengths from the unit of the file to metres.
     pub(super) fn scale(&mut self, metres: f64) {
         self.0.values_mut().for_each(|system| system.origin *= metres);
     }
 
-    /// A system in terms of the global one; none for the global one itself.
+    /// A system relative to the global one; none for the global system itself.
     fn global(&self, label: u64, node: &LocalNode, path: &Path) -> Result<Option<System>, UffError> {
         let mut found: Option<System> = None;
         let mut next = label;
-        // A chain that is longer than there are systems goes round in a circle.
+        // A chain longer than the number of systems is a cycle.
         for _ in 0..=self.0.len() {
             let by_default = |label: u64| label == 0 || (label == GLOBAL && node.dataset != 15);
             let Some(&system) = self.0.get(&next) else {
@@ -244,8 +244,8 @@ impl Systems {
                 Kind::Cartesian => system.axes,
                 Kind::Spherical => return Err(spherical()),
                 Kind::Cylindrical => {
-                    // Radius, angle and axis at the node; on the axis itself, where the radius has no direction, those
-                    // of x.
+                    // Components along radius, angle and axis at the node. On the axis itself, where the radius has no
+                    // direction, those along x are used.
                     let local = system.axes * (position - system.origin);
                     let angle = local.y.atan2(local.x);
                     let (s, c) = angle.sin_cos();

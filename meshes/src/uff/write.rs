@@ -1,4 +1,4 @@
-//! Writing universal files.
+//! Writes universal files.
 
 use std::fmt::Write as _;
 
@@ -16,13 +16,14 @@ pub struct Mode<'a> {
     pub shape: &'a [f64],
 }
 
-/// A universal file of the skin of a body and its modes: datasets 2411 and 15 (nodes), 2412 (faces), 55 (a mode each).
+/// Writes the skin of a body and its modes as a universal file: datasets 2411 and 15 (nodes), 2412 (faces), and 55 (one
+/// per mode).
 ///
 /// The label of a node is its index in the volume mesh plus 1. Dataset 15 repeats 2411 in single precision for software
 /// that cannot read the latter.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`] for a shape that does not reach to the last node of the surface.
+/// [`MeshError::FieldLength`] if a shape has too few values for the nodes of the surface.
 pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String, MeshError> {
     let highest = surface.volume_nodes.iter().max().map_or(0, |node| 3 * node + 3);
     for mode in modes {
@@ -84,8 +85,8 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
     });
     for (index, mode) in modes.iter().enumerate() {
         dataset(&mut text, 55, |text| {
-            // Five lines of identification; structural, normal mode, 3 translations, displacement, real, 3 values a
-            // node.
+            // Five lines of identification; then structural, normal mode, 3 translations, displacement, real, 3 values
+            // per node.
             let _ = writeln!(
                 text,
                 "{name}\nNONE\nNONE\nNONE\nmode {} at {:.3} Hz",
@@ -112,7 +113,8 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
     Ok(text)
 }
 
-/// Descriptor of a thin shell of this shape, and its nodes in order: corners and mid-sides in turn for a parabolic one.
+/// Descriptor of a thin shell of this shape, and its nodes in order: corners and mid-side nodes alternate for a
+/// parabolic shell.
 fn shell(kind: FaceKind) -> (usize, &'static [usize]) {
     match kind {
         FaceKind::Tri3 => (91, &[0, 1, 2]),
@@ -128,14 +130,15 @@ fn dataset(text: &mut String, number: usize, content: impl FnOnce(&mut String)) 
     text.push_str("    -1\n");
 }
 
-/// A field of a number. Beyond two digits of exponent a field of 13 would run over; nothing this small moves.
+/// Formats a number for a fixed-width field. With more than two exponent digits, a field of width 13 would overflow;
+/// such small values are physically meaningless.
 fn field(x: f64, width: usize, digits: usize) -> String {
     let mut text = Vec::with_capacity(width);
     fortran(&mut text, if x.abs() < 1e-99 { 0.0 } else { x }, [width, digits]);
     String::from_utf8_lossy(&text).into_owned()
 }
 
-/// Appends a number as Fortran's 1PEwidth.digits writes and reads it: a sign and at least two digits in its exponent.
+/// Appends a number in Fortran's format 1PEwidth.digits, with a sign and at least two digits in its exponent.
 pub(super) fn fortran(text: &mut Vec<u8>, value: f64, [width, digits]: [usize; 2]) {
     let mut number = Vec::with_capacity(width);
     exponential(&mut number, value, digits);

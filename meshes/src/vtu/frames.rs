@@ -1,18 +1,18 @@
-//! Films: files that share one grid, with other fields in each.
+//! Film frames: files that share one grid but have different fields.
 //!
-//! vtkio writes the grid, once for all frames; the fields are put into its file here, because vtkio compresses every
-//! file anew, number by number. Processor time and size of sixty frames of the velocity on 45 602 points: 0.13 s and 73
-//! MB here (0.1 s of it is the grid). With vtkio they are 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
+//! vtkio writes the grid once for all frames; the fields are inserted into its file here, because vtkio compresses
+//! every file anew, number by number. For sixty frames of the velocity at 45 602 points, this takes 0.13 s of processor
+//! time (0.1 s of it for the grid) and 73 MB. vtkio takes 8 s and 69 MB compressed, or 0.7 s and 176 MB uncompressed.
 //!
-//! With `compressor="vtkZLibDataCompressor"` and 64-bit headers an array of n bytes in blocks of B is
+//! With `compressor="vtkZLibDataCompressor"` and 64-bit headers, an array of n bytes in blocks of B bytes is stored as
 //!
 //! ```text
 //! [number of blocks] [B] [bytes of the last block] [bytes of each stream ...] stream stream ...
 //! ```
 //!
-//! each stream a block in zlib's format (RFC 1950; VTK file formats, XML), the numbers and the streams two stretches of
-//! base64. A velocity does not compress: its blocks are stored as they are. flate2 takes 0.6 s to store 48 MB in this
-//! form, a copy and a checksum 0.03 s.
+//! where each stream is a block in zlib's format (RFC 1950; VTK file formats, XML), and the numbers and the streams are
+//! two separate sequences of base64. Velocities do not compress, so their blocks are stored uncompressed. flate2 takes
+//! 0.6 s to store 48 MB in this form; a copy and a checksum take 0.03 s.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -21,18 +21,18 @@ use serde::{Deserialize, Serialize};
 use super::{Grid, check, escaped};
 use crate::MeshError;
 
-/// Bytes of a block: VTK's own choice, a multiple of the size of a number, and no more than a stored block of DEFLATE
-/// can contain.
+/// Block size in bytes: VTK's default, which is a multiple of the size of a number and fits in a stored block of
+/// DEFLATE.
 const BLOCK: usize = 1 << 15;
 
-/// What precedes the bytes of a stored block: zlib's header (DEFLATE in a window of 32 KiB, fastest) and the mark of a
-/// last block that is stored (RFC 1951, 3.2.4).
+/// Bytes that precede a stored block: zlib's header (DEFLATE with a window of 32 KiB, fastest) and the marker of a
+/// final, stored block (RFC 1951, 3.2.4).
 const STORED: [u8; 3] = [0x78, 0x01, 0x01];
 
-/// Bytes of a stream besides those of its stored block: the mark, the length twice, the checksum.
+/// Bytes of a stream other than the data of its stored block: the marker, the length twice, and the checksum.
 const OVERHEAD: usize = STORED.len() + 2 * size_of::<u16>() + size_of::<u32>();
 
-/// A field in single precision, with its values as bytes, little-endian.
+/// A single-precision field, with its values as little-endian bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Array {
     name: String,
@@ -42,7 +42,7 @@ pub struct Array {
 }
 
 impl Array {
-    /// Of values item by item, `components` of each. The reader shows the name; give the unit in it.
+    /// Creates a field from values with `components` per item. The reader shows the name; include the unit in it.
     pub fn new(name: impl Into<String>, components: usize, values: &[f32]) -> Self {
         let mut bytes = vec![0; size_of_val(values)];
         let (places, _) = bytes.as_chunks_mut();
@@ -57,7 +57,7 @@ impl Array {
         }
     }
 
-    /// Appends its element to the text of a file.
+    /// Appends its XML element to a file.
     fn render(&self, text: &mut Vec<u8>) {
         let (name, components) = (escaped(&self.name), self.components);
         let opening = format!(
@@ -69,7 +69,7 @@ impl Array {
     }
 }
 
-/// The grid that the frames of a film share: the text of a file before and after the fields on its points.
+/// The grid shared by the frames of a film: the parts of the file before and after the point fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     points: usize,
@@ -78,13 +78,13 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Of a grid.
+    /// Prepares the frames of a grid.
     ///
     /// # Errors
-    /// [`MeshError::Vtk`] where vtkio cannot write the grid.
+    /// [`MeshError::Vtk`] if vtkio cannot write the grid.
     pub fn of(grid: &Grid) -> Result<Self, MeshError> {
         let mut text = String::from_utf8_lossy(&grid.to_bytes(&[], &[])?).into_owned();
-        // The fields on points come first in a piece.
+        // Point fields come first in a piece.
         let piece = text.find("<Piece").unwrap_or_default();
         let end = text[piece..].find('>').map_or(0, |length| piece + length + 1);
         let after = text.split_off(end);
@@ -95,7 +95,7 @@ impl Frames {
         })
     }
 
-    /// Appends the file that shows the grid with fields on its points.
+    /// Appends a file that shows the grid with the given point fields.
     ///
     /// # Errors
     /// [`MeshError::FieldLength`].
@@ -119,12 +119,12 @@ impl Frames {
 fn append(text: &mut Vec<u8>, bytes: &[u8]) {
     let start = text.len();
     text.resize(start + 4 * bytes.len().div_ceil(3), 0);
-    // The slice has room for all.
+    // The slice is large enough.
     let length = STANDARD.encode_slice(bytes, &mut text[start..]).unwrap_or_default();
     text.truncate(start + length);
 }
 
-/// The numbers before the streams, and the streams, which store the bytes as they are.
+/// The header numbers, and the streams with the bytes stored uncompressed.
 fn stored(bytes: &[u8]) -> [Vec<u8>; 2] {
     let blocks = bytes.chunks(BLOCK);
     let last = blocks.clone().last().map_or(0, <[u8]>::len);

@@ -10,15 +10,15 @@ use vtkio::xml::Compressor;
 use super::Field;
 use crate::{Mesh, MeshError, Surface};
 
-/// The fastest level of zlib; the best one takes ten times as long and saves 1 % of a surface.
+/// The fastest level of zlib; the best one takes ten times as long and reduces the size of a surface by 1 %.
 const LEVEL: u32 = 1;
 
-/// A grid that files show with fields on it.
+/// A grid to be written with fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid(UnstructuredGridPiece);
 
 impl Grid {
-    /// Of a volume mesh, in double precision; the part of each element is its cell field `part`.
+    /// The grid of a volume mesh in double precision; cell field `part` contains the part of each element.
     pub fn of_mesh(mesh: &Mesh) -> Self {
         let xyz: Vec<f64> = mesh.nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
         let cells = mesh.elements().map(|element| (element.nodes, element.kind.vtk_type()));
@@ -26,7 +26,7 @@ impl Grid {
         Self::new(xyz.into(), cells, Some(("part", part)))
     }
 
-    /// Of a surface, in single precision; the patch of each face is its cell field `patch`.
+    /// The grid of a surface in single precision; cell field `patch` contains the patch of each face.
     pub fn of_surface(surface: &Surface) -> Self {
         let xyz = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]);
         let faces = || surface.faces.iter();
@@ -35,7 +35,7 @@ impl Grid {
         Self::new(single(xyz), cells, Some(("patch", patch)))
     }
 
-    /// Of polygons, given by the numbers of their corners in order, in single precision.
+    /// The grid of polygons in single precision; each polygon lists its corner indices in order.
     pub fn of_polygons(corners: &[[f64; 3]], polygons: &[Vec<usize>]) -> Self {
         let cells = polygons.iter().map(|polygon| {
             let vtk_type = match polygon.len() {
@@ -70,7 +70,7 @@ impl Grid {
         grid
     }
 
-    /// The file that shows the grid with fields on its points and its cells, compressed by zlib.
+    /// The file of the grid with point and cell fields, compressed by zlib.
     ///
     /// # Errors
     /// [`MeshError::FieldLength`].
@@ -106,7 +106,7 @@ impl Grid {
         fields.iter().map(attribute).collect()
     }
 
-    /// A field in the precision of the points.
+    /// Converts a field to the precision of the points.
     fn attribute(&self, name: &str, components: usize, values: &[f64]) -> Attribute {
         let data = match self.0.points {
             IOBuffer::F64(_) => values.to_vec().into(),

@@ -1,8 +1,8 @@
-//! VTK XML files: `.vtu` grids with fields, and the `.pvd` list that makes a series of them.
+//! VTK XML files: `.vtu` grids with fields, and `.pvd` lists that combine them to a series.
 //!
-//! The crate vtkio writes meshes, surfaces and polygons ([`Grid`]), compressed by zlib. The files of a film share one
-//! grid; see [`Frames`]. Meshes are in double precision, so that they are read back as they were; surfaces and
-//! polygons, which are for viewing, in single precision.
+//! The crate vtkio writes meshes, surfaces and polygons ([`Grid`]), compressed by zlib. Film frames share one grid; see
+//! [`Frames`]. Meshes are written in double precision, so that they can be read back unchanged; surfaces and polygons,
+//! which are only viewed, in single precision.
 
 mod frames;
 mod grid;
@@ -12,18 +12,18 @@ pub use grid::Grid;
 
 use crate::MeshError;
 
-/// A field to be written: values item by item, `components` of each.
+/// A field to be written, with `components` values per item.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
-    /// Name shown by the reader; give the unit in it, as in `velocity [m/s]`.
+    /// Name shown by the reader; include the unit, as in `velocity [m/s]`.
     pub name: &'a str,
     /// 1 for a scalar, 3 for a vector.
     pub components: usize,
-    /// The values, components x nodes (or cells) of them.
+    /// The values: `components` for each node or cell.
     pub values: &'a [f64],
 }
 
-/// A `.pvd` series: pairs of time (or frequency) and the `.vtu` file, relative to the series' folder.
+/// A `.pvd` series: pairs of time (or frequency) and `.vtu` file, relative to the folder of the series.
 pub fn series(files: &[(f64, String)]) -> String {
     let entry = |(time, file): &(f64, String)| {
         let file = escaped(file);
@@ -36,7 +36,7 @@ pub fn series(files: &[(f64, String)]) -> String {
     )
 }
 
-/// A name as the value of an XML attribute.
+/// Escapes a name for use as an XML attribute.
 fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

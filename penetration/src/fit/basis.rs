@@ -1,13 +1,14 @@
-//! Polynomials of x in a well-conditioned basis.
+//! Polynomials in x in a well-conditioned basis.
 //!
-//! Powers of x in 0..1 are nearly dependent: for the form of Eq. 2.2 the scaled columns have a condition number of 8e4,
-//! in shifted Legendre polynomials one of 15. The regression uses the latter, and its coefficients are converted after.
+//! Powers of x on 0..1 are nearly linearly dependent: for the form of Eq. 2.2, the scaled columns have a condition
+//! number of 8e4, compared with 15 for shifted Legendre polynomials. The regression uses the latter and converts its
+//! coefficients afterwards.
 
 use nalgebra::DMatrix;
 
 use super::form::{Term, Values, Variable, raise};
 
-/// One column: x^shift P*_n(x) times the other factors of a term, less the constant of P*_n where `anchored`.
+/// One column: x^shift P*_n(x) times the other factors of a term; if `anchored`, the constant of P*_n is subtracted.
 #[derive(Debug, Clone)]
 struct Column {
     /// The factors other than x.
@@ -16,7 +17,7 @@ struct Column {
     shift: f64,
     /// Degree of the polynomial.
     degree: usize,
-    /// Whether the polynomial is zero at x = 0: the powers begin with x^1, so that the span excludes constants.
+    /// Whether the polynomial vanishes at x = 0. If so, the powers start at x^1 and the span excludes constants.
     anchored: bool,
 }
 
@@ -29,8 +30,8 @@ pub(super) struct Basis {
 }
 
 impl Basis {
-    /// The columns of these terms, one each, in their order. Whole powers of x that follow each other with the same
-    /// other factors share a family of polynomials.
+    /// Creates one column per term, in order. Consecutive integer powers of x with the same other factors share a
+    /// family of polynomials.
     pub(super) fn new(terms: &[Term]) -> Self {
         let mut columns = Vec::with_capacity(terms.len());
         let mut conversion = DMatrix::zeros(terms.len(), terms.len());
@@ -42,7 +43,7 @@ impl Basis {
             while power == power.trunc() && start >= 1.0 && place(start - 1.0).is_some() {
                 start -= 1.0;
             }
-            // Powers from x^1 on: polynomials that vanish at 0 and begin with x.
+            // Powers from x^1 upwards: polynomials that vanish at 0.
             let anchored = start == 1.0;
             let shift = if anchored { 0.0 } else { start };
             let degree = (power - shift) as usize;
@@ -65,7 +66,7 @@ impl Basis {
     pub(super) fn row(&self, values: &Values) -> impl Iterator<Item = f64> + '_ {
         let values = *values;
         let x = values[Variable::X as usize];
-        // The last cofactor is cached, because those of a family of polynomials are the same.
+        // The last cofactor is cached, because all polynomials of a family share it.
         let mut last: Option<(&Term, f64)> = None;
         self.columns.iter().map(move |column| {
             let cofactor = match last {
@@ -86,13 +87,13 @@ impl Basis {
         })
     }
 
-    /// From coefficients of the columns to those of the terms.
+    /// The matrix that converts coefficients of the columns to those of the terms.
     pub(super) fn conversion(&self) -> &DMatrix<f64> {
         &self.conversion
     }
 }
 
-/// P*_n(x) = P_n(2x - 1), by the recurrence of Bonnet.
+/// P*_n(x) = P_n(2x - 1), by Bonnet's recurrence.
 fn legendre(degree: usize, x: f64) -> f64 {
     let z = 2.0 * x - 1.0;
     let (mut before, mut now) = (0.0, 1.0);
@@ -108,7 +109,7 @@ fn legendre_coefficients(degree: usize) -> Vec<f64> {
     let mut coefficient = if degree.is_multiple_of(2) { 1.0 } else { -1.0 };
     let mut all = vec![coefficient];
     for k in 0..degree {
-        // C(n,k+1) C(n+k+1,k+1) from C(n,k) C(n+k,k).
+        // C(n,k+1) C(n+k+1,k+1) in terms of C(n,k) C(n+k,k).
         coefficient *= -((degree - k) as f64) * ((degree + k + 1) as f64) / ((k + 1) as f64).powi(2);
         all.push(coefficient);
     }

@@ -1,27 +1,28 @@
-//! From a recorded drive to its points: zero, start, bins, speed.
+//! Converts a recorded drive to points: zero offset, start, binning, speed.
 //!
-//! Only the fit through repeats is published (Nili Ahmadabadi 2016, ch. 2), neither sampling rate, filter nor rule of
-//! the start; the steps here are our own. At high speed the cell sees less than the wood, because it accelerates with
-//! the projectile: F_r = F_cell M_1/(M - m_f), M_1 = M + M_n, m_f the mass ahead of the cell.
+//! The source publishes only the fit through repeats (Nili Ahmadabadi 2016, ch. 2), but no sampling rate, filter or
+//! definition of the start; the steps here are our own. At high speed the cell measures less force than acts on the
+//! wood, because it accelerates with the projectile: F_r = F_cell M_1/(M - m_f) with M_1 = M + M_n, where m_f is the
+//! mass ahead of the cell.
 
 use thiserror::Error;
 
 use super::drive::{Conditions, Driving, Point};
 
-/// Depth of a bin as a part of the nail's length; all bins of a drive weigh alike.
+/// Width of a bin as a fraction of the nail's length; all bins of a drive have the same weight.
 pub(super) const BIN: f64 = 0.01;
-/// Length of the tip as a part of the nail's: the start is sought there.
+/// Length of the tip as a fraction of the nail's length; the start is sought within it.
 const TIP: f64 = 0.09;
-/// Parts of the largest force between which the line of the start is laid.
+/// Fractions of the largest force between which a line is fitted to find the start.
 const START: [f64; 2] = [0.02, 0.10];
 /// Speed of longitudinal waves along a steel nail, sqrt(E/rho) with E = 205 GPa and rho = 7850 kg/m3 \[m/s\].
 const WAVE_SPEED: f64 = 5110.0;
-/// Passes of a wave after which the nail counts as rigid. Chosen: four to and fro; fewer leave the ringing of the
-/// impact in the first bins.
+/// Number of wave transits after which the nail counts as rigid. This is a choice: four round trips. With fewer, the
+/// first bins contain the ringing of the impact.
 const WAVE_PASSES: f64 = 8.0;
-/// Samples of a sliding mean that shows whether the depth goes back.
+/// Window of the moving average that shows whether the depth decreases \[samples\].
 const SLIDING: usize = 5;
-/// Residual of the momentum balance above which a drive is flagged, as a part of the momentum.
+/// Residual of the momentum balance above which a drive is flagged, as a fraction of the momentum.
 const MOMENTUM: f64 = 0.02;
 
 /// A drive as it was recorded.
@@ -31,28 +32,28 @@ pub struct Trace {
     pub time: Vec<f64>,
     /// Depth of the tip \[m\].
     pub depth: Vec<f64>,
-    /// Force of the cell \[N\].
+    /// Force measured by the cell \[N\].
     pub force: Vec<f64>,
 }
 
-/// Where the tip meets the wood.
+/// How to determine where the tip meets the wood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// Drives at constant speed: where the line through 2 to 10 % of the largest force, on the tip, meets zero. Drives
-    /// by a projectile: depth 0 of the recording.
+    /// For drives at constant speed: where a line fitted to the tip's force between 2 and 10 % of the largest force
+    /// crosses zero. For drives by a projectile: depth 0 of the recording.
     Automatic,
-    /// Where the force first exceeds this \[N\].
+    /// Where the force first exceeds this value \[N\].
     Force(f64),
     /// Depth 0 of the recording.
     Recorded,
 }
 
-/// How a recording is cleaned.
+/// Settings for cleaning a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cleaning {
-    /// Where the tip meets the wood.
+    /// How to determine where the tip meets the wood.
     pub start: Start,
-    /// N, samples of a slope that is the speed after an impact; odd.
+    /// N, number of samples in the slope fit for the speed after an impact; odd.
     pub slope_samples: usize,
     /// Acceleration of gravity along the drive \[m/s2\].
     pub gravity: f64,
@@ -73,41 +74,41 @@ impl Default for Cleaning {
 pub struct Masses {
     /// M_n, mass of the nail \[kg\].
     pub nail: f64,
-    /// m_f, mass of the projectile ahead of the plane of the cell \[kg\].
+    /// m_f, mass of the projectile ahead of the cell's plane \[kg\].
     pub ahead: f64,
 }
 
-/// Points of a drive, and the flags on them.
+/// Points of a drive, with flags for the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cleaned {
     /// Means in bins of 1 % of the nail's length.
     pub points: Vec<Point>,
-    /// sigma_v, standard error of the speed \[m/s\]; after an impact only.
+    /// sigma_v, standard error of the speed \[m/s\]; only after an impact.
     pub speed_error: Option<f64>,
     /// Points for the user to check.
     pub flags: Vec<Flag>,
 }
 
-/// A point of a drive for the user to check.
+/// Something in a drive that the user should check.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Flag {
-    /// No line of the start can be laid.
+    /// The force rises too fast for a fit of the start.
     #[error("the force rises too fast for a line on the tip: the drive begins at 2 % of its largest force")]
     FastRise,
-    /// Forces that are negative by less than their noise.
+    /// Forces below zero, but within their noise.
     #[error("{bins} bins have a mean force below zero by less than its noise, taken as 0")]
     Clipped {
         /// Number of bins.
         bins: usize,
     },
-    /// Samples beyond the law.
+    /// Samples beyond the range of the law, with the head in the wood.
     #[error("{samples} samples deeper than the nail's length are left out: the head is in the wood")]
     HeadInWood {
         /// Number of samples.
         samples: usize,
     },
-    /// Force and motion that disagree.
+    /// Force and motion are inconsistent.
     #[error(
         "the forces take {impulse:.4} N s and the motion loses {loss:.4} N s ({:+.1} % of the momentum): check \
          masses, speed of \
@@ -119,13 +120,13 @@ pub enum Flag {
         impulse: f64,
         /// Momentum lost by the motion \[N s\].
         loss: f64,
-        /// Their difference as a part of the momentum after the impact.
+        /// Their difference as a fraction of the momentum after the impact.
         share: f64,
     },
 }
 
-/// Greatest time \[s\], depth \[m\] and force \[N\] of a recording: a week of creep, the longest pile, what crushes its
-/// shank.
+/// Largest time \[s\], depth \[m\] and force \[N\] of a recording: a week of creep, the longest pile, and a force that
+/// crushes its shank.
 const LIMITS: [(&str, f64, &str); 3] = [("time", 1e6, "s"), ("depth", 10.0, "m"), ("force", 1e7, "N")];
 
 /// Why a recording cannot be used.
@@ -143,19 +144,19 @@ pub enum CleanError {
     /// A number that is not finite.
     #[error("a number is not finite")]
     NotFinite {
-        /// The sample, from 0.
+        /// Index of the sample, from 0.
         sample: usize,
     },
-    /// A number that no drive has.
+    /// A number that is implausibly large.
     #[error("the {quantity} is {value:?} {unit}; at most {limit:?} {unit} is expected")]
     TooLarge {
-        /// The sample, from 0.
+        /// Index of the sample, from 0.
         sample: usize,
-        /// What it is.
+        /// Name of the quantity.
         quantity: &'static str,
         /// Its value.
         value: f64,
-        /// The greatest value that is read.
+        /// The largest value accepted.
         limit: f64,
         /// Unit of both.
         unit: &'static str,
@@ -169,25 +170,25 @@ pub enum CleanError {
         /// The threshold \[N\].
         threshold: f64,
     },
-    /// A time that does not rise by equal steps.
+    /// Times are not equally spaced.
     #[error("the time does not rise by equal steps: {step} s here, {expected} s on average")]
     Time {
-        /// The sample, from 0.
+        /// Index of the sample, from 0.
         sample: usize,
         /// Its step \[s\].
         step: f64,
         /// The mean step \[s\].
         expected: f64,
     },
-    /// No time where the speed has to be found from it.
+    /// There are no times, but the speed must be derived from them.
     #[error("a drive by a projectile needs the column time_s")]
     NoTime,
-    /// The depth goes back before the deepest point.
+    /// The depth decreases before the deepest point.
     #[error("the depth goes back by {:.3} mm, more than three times its noise of {:.3} mm", 1e3 * back, 1e3 * noise)]
     GoesBack {
-        /// The sample, from 0.
+        /// Index of the sample, from 0.
         sample: usize,
-        /// How far \[m\].
+        /// Distance by which it decreases \[m\].
         back: f64,
         /// sigma_y \[m\].
         noise: f64,
@@ -199,7 +200,7 @@ pub enum CleanError {
         1e3 * depth
     )]
     Negative {
-        /// The sample, from 0.
+        /// Index of the sample, from 0.
         sample: usize,
         /// The depth \[m\].
         depth: f64,
@@ -208,7 +209,7 @@ pub enum CleanError {
         /// Its standard error \[N\].
         error: f64,
     },
-    /// The cell carries no mass.
+    /// The mass ahead of the cell is not less than the projectile's.
     #[error("the mass ahead of the cell, {ahead} kg, is not less than the projectile's, {mass} kg")]
     CellMass {
         /// m_f \[kg\].
@@ -219,7 +220,7 @@ pub enum CleanError {
 }
 
 impl CleanError {
-    /// The sample it is about, from 0.
+    /// The sample concerned, from 0.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::NotFinite { sample }
@@ -231,7 +232,7 @@ impl CleanError {
         }
     }
 
-    /// What to do about it.
+    /// How to fix it.
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::TooFew { .. } => "record at a higher rate, or check that depths are in m and rise into the wood",
@@ -249,10 +250,10 @@ impl CleanError {
 }
 
 impl Trace {
-    /// The points of the drive; `masses` are needed after an impact.
+    /// Extracts the points of the drive; `masses` are needed after an impact.
     ///
     /// # Errors
-    /// [`CleanError`] with the sample.
+    /// [`CleanError`], with the sample concerned.
     pub fn clean(&self, conditions: &Conditions, masses: &Masses, how: &Cleaning) -> Result<Cleaned, CleanError> {
         let n = self.depth.len().min(self.force.len());
         for sample in 0..n {
@@ -284,7 +285,7 @@ impl Trace {
         let deepest = (0..n).fold(0, |best, k| if self.depth[k] > self.depth[best] { k } else { best });
         let peak = self.force[..=deepest].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let contact = (0..=deepest).find(|&k| self.force[k] > START[0] * peak).unwrap_or(0);
-        // Samples before the contact give the zero and the noise of the cell.
+        // Samples before contact give the zero offset and the noise of the cell.
         let before = &self.force[..contact];
         let zero = if before.is_empty() { 0.0 } else { mean(before) };
         let noise = if before.len() < SLIDING {
@@ -343,7 +344,7 @@ impl Trace {
         })
     }
 
-    /// The interval of the samples; none without times.
+    /// The sampling interval; none without times.
     fn time_step(&self) -> Result<Option<f64>, CleanError> {
         let n = self.time.len();
         if n < 2 {
@@ -413,7 +414,7 @@ impl Trace {
             .windows(3)
             .map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2))
             .collect();
-        // The median of squares of normal numbers is 0.4549 of their mean: outliers do not count.
+        // The median of the squares of normal numbers is 0.4549 times their mean; using it suppresses outliers.
         squares.sort_by(f64::total_cmp);
         squares
             .get(squares.len() / 2)
@@ -438,7 +439,7 @@ impl Trace {
         Ok(())
     }
 
-    /// Means in bins of depth of (sample, force, speed).
+    /// Averages (sample, force, speed) in bins of depth.
     fn bins(
         &self,
         samples: &[(usize, f64, f64)],
@@ -453,7 +454,7 @@ impl Trace {
         let mut points = Vec::new();
         let (mut beyond, mut clipped) = (0, 0);
         let mut sorted: Vec<_> = samples.iter().filter(|(k, ..)| bin(*k) >= 0.0).collect();
-        // Noise may bring neighbours out of order.
+        // Noise may put neighbouring samples out of order.
         sorted.sort_by(|a, b| self.depth[a.0].total_cmp(&self.depth[b.0]));
         for group in sorted.chunk_by(|a, b| bin(a.0) == bin(b.0)) {
             if bin(group[0].0) > last || (self.depth[group[0].0] - surface) > length * (1.0 + 1e-6) {
@@ -507,7 +508,7 @@ struct Impact<'a> {
 }
 
 impl Impact<'_> {
-    /// Samples with the force on the wood and the speed, without the travel time of waves in the nail.
+    /// Samples with the force on the wood and the speed, excluding the time in which waves travel through the nail.
     fn samples(
         &self,
         trace: &Trace,
@@ -541,7 +542,7 @@ impl Impact<'_> {
             line(&window).map_or(0.0, |(_, slope)| slope)
         };
         let samples: Vec<_> = (from..to).map(|k| (k, factor * cell[k], slope(k))).collect();
-        // Momentum from the impact to the last sample: M_1 (v_1 - v) = int F_r dt - M_1 g t.
+        // Momentum balance from the impact to the last sample: M_1 (v_1 - v) = int F_r dt - M_1 g t.
         let (last, _, speed) = samples[samples.len() - 1];
         let impulse: f64 = (first..last)
             .map(|k| 0.5 * (cell[k] + cell[k + 1]) * self.step * factor)
@@ -569,7 +570,7 @@ fn deviation(values: &[f64], mean: f64) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
 }
 
-/// Intercept and slope of the line of least squares; none if it is not determined.
+/// Intercept and slope of the least-squares line; none if it is not determined.
 fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let [mx, my] = [0, 1].map(|i| points.iter().map(|p| if i == 0 { p.0 } else { p.1 }).sum::<f64>() / n);

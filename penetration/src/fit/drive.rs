@@ -1,4 +1,4 @@
-//! Measured drives, ready for a regression: conditions, and points of depth, speed and force.
+//! Measured drives, prepared for regression: conditions, and points of depth, speed and force.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,17 +14,17 @@ pub enum Driving {
         /// v \[m/s\].
         speed: f64,
     },
-    /// By a projectile that strikes the nail.
+    /// By a projectile that hits the nail.
     Impact {
         /// M, mass of the projectile \[kg\].
         mass: f64,
-        /// v0, its speed just before it strikes the nail \[m/s\].
+        /// v0, its speed just before it hits the nail \[m/s\].
         speed: f64,
     },
 }
 
 impl Driving {
-    /// Whether the speed is constant.
+    /// Whether the nail was driven at constant speed.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant { .. })
     }
@@ -65,7 +65,7 @@ impl Conditions {
         self.specimen.hardness_modulus * self.specimen.length
     }
 
-    /// s = sqrt(F_r/(H_M NL)); zero for a force that is not positive.
+    /// s = sqrt(F_r/(H_M NL)); zero unless the force is positive.
     pub fn root(&self, force: f64) -> f64 {
         (force.max(0.0) / self.force_scale()).sqrt()
     }
@@ -82,14 +82,14 @@ pub struct Point {
     pub root: f64,
 }
 
-/// One nail driven once.
+/// One recorded drive of a nail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Its name.
     pub id: String,
-    /// The condition it repeats.
+    /// Identifier of the test condition; repeats share it.
     pub group: String,
-    /// Name of the nail's size.
+    /// Name of the nail size.
     pub nail: String,
     /// Name of the wood.
     pub wood: String,

@@ -1,9 +1,9 @@
-//! A fitted law for one nail, wood and mass, as a cycle evaluates it.
+//! A fitted law for one nail, wood and mass, in the form used by the nailing cycle.
 
 use super::form::{Term, VARIABLES, Variable};
 use super::law::{FittedLaw, SLACK};
 
-/// C times a product of powers of depth, speed and speed of impact.
+/// C times a product of powers of depth, speed and impact speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Monomial {
     coefficient: f64,
@@ -12,21 +12,21 @@ struct Monomial {
     impact: f64,
 }
 
-/// A fitted law for one nail, wood and mass: the force over depth, speed and speed of impact.
+/// A fitted law for one nail, wood and mass: force as a function of depth, speed and impact speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawOfDrive {
     terms: Vec<Monomial>,
     length: f64,
     scale: f64,
-    /// Range of v/v0 in the data, as the limits of the speed; none for a law without speed.
+    /// Range of v/v0 in the data, to which the speed is limited; none for a law without speed.
     decay: Option<[f64; 2]>,
-    /// Speed of impact in the middle of the data \[m/s\].
+    /// Impact speed at the middle of the data \[m/s\].
     usual_impact: f64,
-    /// Speeds of impact that the law may be used at \[m/s\].
+    /// Range of valid impact speeds \[m/s\].
     impacts: [f64; 2],
 }
 
-/// Force and its derivatives.
+/// Force with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resisting {
     /// F_r \[N\].
@@ -58,7 +58,7 @@ impl LawOfDrive {
                 * inertia.powf(rate + pi3)
                 * energy.powf(pi6);
             Monomial {
-                // A law of constant-speed tests is used at their highest speed.
+                // A law from constant-speed tests is used at their highest speed.
                 coefficient: if dynamic {
                     fixed
                 } else {
@@ -109,18 +109,19 @@ impl LawOfDrive {
         }
     }
 
-    /// Speeds of impact that the law may be used at \[m/s\]: those of the data of `inertia` and `energy`.
+    /// Range of valid impact speeds \[m/s\]: that of the data of `inertia` and `energy`.
     pub fn impacts(&self) -> [f64; 2] {
         self.impacts
     }
 
-    /// Speed of impact in the middle of the data, where none is known \[m/s\].
+    /// Impact speed at the middle of the data \[m/s\], assumed if none is known.
     pub fn usual_impact(&self) -> f64 {
         self.usual_impact
     }
 
-    /// The force at `depth` \[m\] and speed \[m/s\] after an impact at `impact` \[m/s\]. The ratio v/v0 is limited to
-    /// the range of the data: the gas behind a piston pushes on, which the similarity of Eq. 3.1 does not include.
+    /// The force at `depth` \[m\] and `speed` \[m/s\] after an impact at `impact` \[m/s\]. The ratio v/v0 is limited to
+    /// the range of the data, because the gas behind the piston keeps pushing, which the similarity law of Eq. 3.1 does
+    /// not include.
     #[inline]
     pub fn evaluate(&self, depth: f64, speed: f64, impact: f64) -> Resisting {
         let x = depth / self.length;
@@ -165,7 +166,7 @@ fn power(value: f64, power: f64) -> f64 {
         0.0 => 1.0,
         1.0 => value,
         2.0 => value * value,
-        // Steps of an integration may look above the surface.
+        // Integration steps may probe points above the surface.
         _ if power == power.trunc() => value.powi(power as i32),
         _ => value.max(0.0).powf(power),
     }

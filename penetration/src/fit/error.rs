@@ -1,17 +1,17 @@
-//! Why no law can be fitted.
+//! Reasons why a law cannot be fitted.
 
 use thiserror::Error;
 
 use super::law_error::LawError;
 
-/// Why no law can be fitted to drives.
+/// Why a law cannot be fitted to drives.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FitError {
     /// No drive has points.
     #[error("there are no points to fit")]
     Empty,
-    /// A number of a drive that no test has.
+    /// A value of a drive is impossible in a test.
     #[error("drive \"{drive}\": {what} is {value}, and must be {rule}")]
     Value {
         /// The drive.
@@ -23,7 +23,7 @@ pub enum FitError {
         /// The requirement.
         rule: &'static str,
     },
-    /// A term that the drives have no value of.
+    /// A term depends on a variable that the drives do not have.
     #[error(
         "the term {term} needs the mass and speed of a projectile, and drive \"{drive}\" was made at constant speed"
     )]
@@ -33,7 +33,7 @@ pub enum FitError {
         /// The first drive without an impact.
         drive: String,
     },
-    /// As many distinct depths as the degree of the polynomial, or fewer.
+    /// Too few distinct depths for the degree of the polynomial.
     #[error("the data have {depths} distinct depths, too few for x^{degree}")]
     TooFewDepths {
         /// Distinct depths.
@@ -41,15 +41,15 @@ pub enum FitError {
         /// Highest power of x.
         degree: f64,
     },
-    /// As many terms that are constant in a drive as drives, or more.
+    /// Too few drives for the terms that are constant within a drive.
     #[error("{drives} drives do not determine {terms} terms that are constant in a drive")]
     TooFewDrives {
         /// Number of drives.
         drives: usize,
-        /// Number of terms that are constant in a drive.
+        /// Number of terms that are constant within a drive.
         terms: usize,
     },
-    /// As many terms as points, or more.
+    /// Too few points for the terms.
     #[error("{points} points do not determine {terms} terms")]
     TooFewPoints {
         /// Number of points.
@@ -63,25 +63,25 @@ pub enum FitError {
     NotIdentifiable {
         /// The term.
         term: String,
-        /// The terms whose combination it is in these data; none if it is zero everywhere.
+        /// The terms of which it is a combination in these data; none if it is zero everywhere.
         partners: Vec<String>,
     },
-    /// A fit whose numbers no law may have.
+    /// The fit has numbers that are not valid in a law.
     #[error("the fit gives no law: {0}")]
     NoLaw(LawError),
-    /// A decomposition that did not converge.
+    /// A matrix decomposition did not converge.
     #[error("the covariance of the coefficients cannot be computed")]
     Covariance,
-    /// A group to leave out that is the only one.
+    /// The group to be left out is the only one.
     #[error("all drives belong to one {what}, so that none can be left out")]
     OneFold {
-        /// The item to be left out.
+        /// Kind of group.
         what: &'static str,
     },
 }
 
 impl FitError {
-    /// What to do about it.
+    /// How to fix it.
     pub fn remedy(&self) -> String {
         match self {
             Self::Empty => "give at least one drive with points below the surface".to_owned(),

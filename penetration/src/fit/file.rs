@@ -1,4 +1,4 @@
-//! The file of a fit: its contents, and the domains of its numbers.
+//! The file of a fit: its contents, and the domains of its values.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,25 +10,25 @@ use super::regression::Method;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TermFit {
-    /// The term, as `x^2*decay`.
+    /// The term, such as `x^2*decay`.
     pub name: String,
     /// C \[-\].
     pub coefficient: f64,
-    /// Its standard error, allowing for deviations common to a drive.
+    /// Its standard error, allowing for errors correlated within a drive.
     pub standard_error: f64,
-    /// Its standard error as if all points were independent.
+    /// Its standard error if all points were independent.
     pub classical_error: f64,
     /// t = C/standard error.
     pub t: f64,
     /// Probability of a larger |t| if C were 0 (two-sided).
     pub p: f64,
-    /// Factor by which dependence on other terms raises its variance; 0 for a constant.
+    /// Variance inflation factor: how much dependence on other terms raises its variance; 0 for a constant.
     pub vif: f64,
-    /// F of the classical test that drops only the term.
+    /// F of the classical test for dropping only this term.
     pub f_dropped: f64,
 }
 
-/// Quality of a fit, of s = sqrt(F_r/(H_M NL)) unless another unit is stated.
+/// Quality of a fit, in terms of s = sqrt(F_r/(H_M NL)) unless another unit is stated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quality {
@@ -38,17 +38,17 @@ pub struct Quality {
     pub standard_error: f64,
     /// MAE = mean |e|.
     pub mean_absolute_error: f64,
-    /// Mean |e|/s \[%\], over points with a force.
+    /// Mean |e|/s \[%\], over points with a nonzero force.
     pub mean_percentage_error: f64,
-    /// Root mean square error of the force \[N\], with n - p.
+    /// Root mean square error of the force \[N\], with n - p degrees of freedom.
     pub standard_error_n: f64,
-    /// Mean |error| of the force \[N\].
+    /// Mean absolute error of the force \[N\].
     pub mean_absolute_error_n: f64,
-    /// Mean |error|/force \[%\], over points with a force.
+    /// Mean absolute error relative to the force \[%\], over points with a nonzero force.
     pub mean_percentage_error_force: f64,
 }
 
-/// How much was fitted.
+/// Amount of data fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Counts {
@@ -56,11 +56,11 @@ pub struct Counts {
     pub points: usize,
     /// Drives.
     pub drives: usize,
-    /// Groups of drives that repeat a condition.
+    /// Groups of drives under the same condition.
     pub groups: usize,
 }
 
-/// Lowest and highest value in the data; NaN is not written, a variable that no drive has is absent.
+/// Lowest and highest values in the data. Variables that no drive has are NaN here and omitted from the file.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ranges {
@@ -100,25 +100,25 @@ impl Ranges {
     }
 }
 
-/// The file as it is written.
+/// The file of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitFile {
     /// `nailnoise-fit/1`.
     pub schema: String,
-    /// The form, as `poly(x,7) + rate`.
+    /// The form, such as `poly(x,7) + rate`.
     pub form: String,
-    /// How the coefficients were found.
+    /// How the coefficients were estimated.
     pub method: Method,
     /// Whether a design may use the law beyond the range of its data.
     pub extrapolate: bool,
-    /// Standard deviation between drives of one condition: specimens.
+    /// Standard deviation between drives under one condition, which reflects differences between specimens.
     pub sigma_between: f64,
     /// Standard deviation within a drive.
     pub sigma_within: f64,
     /// Degrees of freedom of the covariance.
     pub degrees_of_freedom: f64,
-    /// Deviation of one specimen from the law, of s; only in a drawn law.
+    /// Deviation of one specimen from the law, in s; only in a law drawn at random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen_deviation: Option<f64>,
     /// V, covariance of the coefficients in the order of the terms.
@@ -126,9 +126,9 @@ pub struct FitFile {
     /// Digests (SHA-256) of the files of data, by name.
     #[serde(default)]
     pub data: Vec<(String, String)>,
-    /// How much was fitted.
+    /// Amount of data fitted.
     pub counts: Counts,
-    /// Quality.
+    /// Quality of the fit.
     pub quality: Quality,
     /// Range of the data.
     pub ranges: Ranges,
@@ -136,22 +136,22 @@ pub struct FitFile {
     pub terms: Vec<TermFit>,
 }
 
-/// Largest |C m| of a term, largest |s| of the law, and largest deviation of s, in the range of the data \[-\]. A nail
-/// of steel yields at s below 1; but the data of several variables seldom fill all corners of their ranges, where terms
-/// of opposite sign may leave more. Terms above the first limit cancel to few digits.
+/// Largest |C m| of a term, largest |s| of the law and largest deviation of s, within the range of the data \[-\]. A
+/// steel nail yields at s below 1, but data of several variables seldom fill all corners of their ranges, and terms of
+/// opposite sign may leave larger values there. Terms above the first limit lose most digits to cancellation.
 const LARGEST_TERM: f64 = 1e6;
 const LARGEST_ROOT: f64 = 1e3;
 const LARGEST_DEVIATION: f64 = 100.0;
 
-/// Depths of the range of the data at which s is looked at.
+/// Number of depths, across the range of the data, at which s is checked.
 const DEPTHS: usize = 100;
 
-/// Domains of the variables in the order of [`Variable::ALL`], and of a speed \[m/s\]; the groups are those of any
+/// Domains of the variables in the order of [`Variable::ALL`], followed by that of the speed \[m/s\]. They cover every
 /// drive that `prf fit` reads.
 const DOMAINS: [f64; VARIABLES] = [10.0, 1e6, 1.0, 1e6, 10.0, 1e9];
 const HIGHEST_SPEED: f64 = 1e3;
 
-/// Values of the variables at the lowest and highest of their data, all combinations, x between its ends.
+/// All combinations of the lowest and highest values of the variables in the data, with x between its ends.
 fn corners(ranges: &Ranges) -> impl Iterator<Item = Values> {
     let ends = Variable::ALL.map(|variable| ranges.of(variable).unwrap_or([0.0; 2]));
     (0..1 << (VARIABLES - 1)).flat_map(move |corner: usize| {
@@ -164,10 +164,10 @@ fn corners(ranges: &Ranges) -> impl Iterator<Item = Values> {
     })
 }
 
-/// The law is of a size that nails and woods have, in the range of its data.
+/// Checks that the law has a plausible magnitude throughout the range of its data.
 fn check_size(file: &FitFile, form: &Form) -> Result<(), LawError> {
     let refuse = |what: String, value: f64, rule: &'static str| Err(LawError::Value { what, value, rule });
-    // A variable that a term divides by may begin at 0.
+    // A variable may start at 0, and a term may divide by it.
     let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
     for values in corners(&file.ranges) {
         let mut root = 0.0;
@@ -193,7 +193,7 @@ fn check_size(file: &FitFile, form: &Form) -> Result<(), LawError> {
     Ok(())
 }
 
-/// Numbers that only describe the fit.
+/// Checks the values that only describe the fit.
 fn check_statistics(file: &FitFile) -> Result<(), LawError> {
     let q = &file.quality;
     let quality = [
@@ -227,7 +227,7 @@ fn check_statistics(file: &FitFile) -> Result<(), LawError> {
     }
 }
 
-/// Numbers in their domains.
+/// Checks that all values lie in their domains.
 pub(super) fn check(file: &FitFile, form: &Form) -> Result<(), LawError> {
     let refuse = |what: &str, value: f64, rule: &'static str| {
         let what = what.to_owned();

@@ -1,4 +1,4 @@
-//! From drives to a fitted law: statistics, the reduction of a form, and cross-validation.
+//! From drives to a fitted law: statistics, model reduction and cross-validation.
 
 use std::collections::BTreeMap;
 
@@ -14,19 +14,19 @@ use super::law::FittedLaw;
 use super::law_error::{FIT_SCHEMA, LawError};
 use super::regression::{Method, Regression, Solution};
 
-/// A law with the residuals of its data.
+/// A fitted law with its residuals.
 #[derive(Debug, Clone)]
 pub struct Fitted {
     /// The law.
     pub law: FittedLaw,
-    /// s less the law, by point in the order of the drives.
+    /// Measured s minus fitted s, by point in the order of the drives.
     pub residuals: Vec<f64>,
 }
 
-/// Fits `form` to drives by `method`.
+/// Fits `form` to drives with `method`.
 ///
 /// # Errors
-/// [`FitError`] where the drives cannot determine the terms.
+/// [`FitError`] if the drives do not determine the terms.
 pub fn fit(form: &Form, drives: &[Drive], method: Method) -> Result<Fitted, FitError> {
     let regression = Regression::new(form, drives, method)?;
     let solution = regression.solve(&roots(drives));
@@ -54,7 +54,7 @@ pub fn fit(form: &Form, drives: &[Drive], method: Method) -> Result<Fitted, FitE
         ranges: ranges(drives),
         terms: terms(&regression, &solution),
     };
-    // Covariances of a regression are symmetric to rounding and have no negative eigenvalue beyond it.
+    // The covariance of a regression is symmetric and positive semidefinite to rounding.
     let law = FittedLaw::try_from(file).map_err(|error| match error {
         LawError::Covariance { .. } => FitError::Covariance,
         error => FitError::NoLaw(error),
@@ -94,7 +94,7 @@ fn terms(regression: &Regression, solution: &Solution) -> Vec<TermFit> {
     regression.form().terms().iter().enumerate().map(term).collect()
 }
 
-/// A ratio, or the largest number where noise-free data make it infinite.
+/// A ratio, or the largest number if noise-free data make it infinite.
 fn finite(ratio: f64) -> f64 {
     if ratio.is_finite() {
         ratio
@@ -185,36 +185,36 @@ fn ranges(drives: &[Drive]) -> Ranges {
     }
 }
 
-/// A form of a reduction, with the fit's quality.
+/// One step of a reduction: a form and the quality of its fit.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reduction {
     /// The form.
     pub form: String,
-    /// The term dropped last; none for the whole form.
+    /// The term dropped last; none for the full form.
     pub dropped: Option<String>,
     /// R2.
     pub r_squared: f64,
     /// SEE.
     pub standard_error: f64,
-    /// Growth of SEE by the term dropped last \[%\].
+    /// Increase in SEE from dropping that term \[%\].
     pub growth: f64,
-    /// F of the classical test that drops the term.
+    /// F of the classical test for dropping that term.
     pub f: Option<f64>,
-    /// Probability of a larger |t| of the dropped term, clustered.
+    /// Clustered two-sided p-value of the dropped term.
     pub p: Option<f64>,
-    /// Whether this form is the choice.
+    /// Whether this form was chosen.
     pub chosen: bool,
 }
 
-/// Largest growth of SEE for dropping a term \[%\].
+/// Largest acceptable increase in SEE from dropping a term \[%\].
 pub const DROP_BELOW: f64 = 5.0;
 
-/// Drops terms from the end of a form, refits, and chooses the shortest form before a term raised SEE by more than
-/// [`DROP_BELOW`]. Each form is fitted by `method`, or by the one that it needs. Published choice for plywood: "reduced
-/// 5" (Table 2-8), by judgement.
+/// Drops terms from the end of a form one by one, refits, and chooses the shortest form reached before a dropped term
+/// raised SEE by more than [`DROP_BELOW`]. Each form is fitted with `method`, or with the method it needs. The
+/// published choice for plywood, made by judgement, is "reduced 5" (Table 2-8).
 ///
 /// # Errors
-/// As [`fit`].
+/// Same as [`fit`].
 pub fn reduce(form: &Form, drives: &[Drive], method: Option<Method>) -> Result<(Form, Vec<Reduction>), FitError> {
     let mut steps: Vec<Reduction> = Vec::new();
     let mut chosen = form.clone();
@@ -252,11 +252,11 @@ pub fn reduce(form: &Form, drives: &[Drive], method: Option<Method>) -> Result<(
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Leave {
-    /// All repeats of a condition.
+    /// All repeats of one condition.
     Group,
-    /// All drives of a nail size.
+    /// All drives of one nail size.
     Nail,
-    /// All drives into a wood.
+    /// All drives into one wood.
     Wood,
     /// Single drives.
     Drive,
@@ -283,14 +283,14 @@ impl Leave {
     }
 }
 
-/// Errors of prediction by a law that has not seen the predicted data.
+/// Prediction errors on data not used in the fit.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
-    /// The data left out.
+    /// What was left out.
     pub left_out: Leave,
     /// Root mean square error of s.
     pub root_mean_square: f64,
-    /// Root mean square error of s in each fold left out; none if the rest does not determine the law.
+    /// Root mean square error of s in each fold; none if the remaining data do not determine the law.
     pub folds: Vec<(String, Option<f64>)>,
 }
 
@@ -302,7 +302,7 @@ fn distinct(drives: &[Drive], key: impl Fn(&Drive) -> &String) -> BTreeMap<&Stri
     all
 }
 
-/// Cross-validation: each fold is predicted by the law of all the others, fitted by `method`.
+/// Cross-validates: each fold is predicted by the law fitted to all others with `method`.
 ///
 /// # Errors
 /// [`FitError::OneFold`] if there are no other folds to fit.

@@ -1,4 +1,4 @@
-//! Terms of a penetration law, by name.
+//! Terms of a penetration law, identified by name.
 //!
 //! ```text
 //! s = sqrt(F_r/(H_M NL)) = sum C_k m_k,   m_k a product of powers of
@@ -9,8 +9,8 @@
 //!   decay   = v/v0                       speed left                     Pi4 of Eq. 3.1
 //!   energy  = M v0^2/(H_M NL^2)          energy of the projectile       Pi6 of Eq. 3.1
 //! ```
-//! Nili Ahmadabadi (2016), Eq. 2.2 and 3.1. Pi3 and Pi4 name different groups in the two equations, so that terms go by
-//! name here.
+//! Nili Ahmadabadi (2016), Eq. 2.2 and 3.1. Pi3 and Pi4 denote different groups in the two equations, so terms are
+//! identified by name here.
 
 use std::fmt;
 use std::str::FromStr;
@@ -20,7 +20,7 @@ use thiserror::Error;
 /// Number of variables.
 pub const VARIABLES: usize = 6;
 
-/// The highest degree of `poly(x,n)`; beyond it the converted coefficients have no digits left.
+/// The highest degree of `poly(x,n)`; beyond it, the converted coefficients have no significant digits.
 pub const HIGHEST_DEGREE: u32 = 15;
 
 /// The largest power of a variable.
@@ -63,13 +63,13 @@ impl Variable {
         ["x", "rate", "slender", "inertia", "decay", "energy"][self as usize]
     }
 
-    /// Whether it needs a projectile's impact.
+    /// Whether it exists only for a projectile's impact.
     pub fn needs_impact(self) -> bool {
         matches!(self, Self::Inertia | Self::Decay | Self::Energy)
     }
 }
 
-/// Values of the variables, in the order of [`Variable::ALL`]; NaN where a drive has none.
+/// Values of the variables, in the order of [`Variable::ALL`]; NaN if a drive does not have the variable.
 pub type Values = [f64; VARIABLES];
 
 /// A product of powers of the variables; the empty product is the constant.
@@ -89,7 +89,7 @@ impl Term {
         self.powers[variable as usize]
     }
 
-    /// The term with another power of x.
+    /// The same term with another power of x.
     pub(super) fn with_depth_power(&self, power: f64) -> Self {
         let mut term = self.clone();
         term.powers[Variable::X as usize] = power;
@@ -106,7 +106,7 @@ impl Term {
             .product()
     }
 
-    /// Whether it changes while a nail is driven, at constant speed or after an impact.
+    /// Whether it varies during a drive: at constant speed, or after an impact.
     pub fn varies(&self, constant_speed: bool) -> bool {
         let has = |variable| self.power(variable) != 0.0;
         has(Variable::X) || has(Variable::Decay) || (has(Variable::Rate) && !constant_speed)
@@ -122,7 +122,7 @@ impl Term {
     }
 }
 
-/// `value^power`, by multiplication where the power is whole.
+/// `value^power`, by multiplication if the power is an integer.
 pub(super) fn raise(value: f64, power: f64) -> f64 {
     if power == power.trunc() {
         value.powi(power as i32)
@@ -151,7 +151,7 @@ impl fmt::Display for Term {
     }
 }
 
-/// Why a text is not a form of a law.
+/// Why a text is not a valid form.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("\"{text}\" is no form of a penetration law: {problem}")]
 pub struct FormError {
@@ -162,7 +162,7 @@ pub struct FormError {
 }
 
 impl FormError {
-    /// What to do about it.
+    /// How to fix it.
     pub fn remedy(&self) -> &'static str {
         "write a sum of terms such as \"poly(x,7) + rate + slender\": products (*) of powers (^) of x, rate, slender, \
          inertia, decay, energy, and 1 for a constant; poly(x,7) is 1 + x + ... + x^7"
@@ -181,14 +181,14 @@ impl Form {
         &self.terms
     }
 
-    /// The form without its last term; none where nothing would be left.
+    /// The form without its last term; none if nothing would remain.
     #[must_use]
     pub fn without_last(&self) -> Option<Self> {
         let (_, rest) = self.terms.split_last()?;
         (!rest.is_empty()).then(|| Self { terms: rest.to_vec() })
     }
 
-    /// Whether a term has this variable.
+    /// Whether any term contains this variable.
     pub fn uses(&self, variable: Variable) -> bool {
         self.terms.iter().any(|term| term.power(variable) != 0.0)
     }
@@ -204,7 +204,7 @@ impl Form {
 
 impl fmt::Display for Form {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Powers of x from the constant on are one polynomial.
+        // Consecutive powers of x from the constant upwards form one polynomial.
         let power = |term: &Term, power: usize| *term == Term::ONE.with_depth_power(power as f64);
         let powers = self
             .terms
@@ -253,7 +253,7 @@ impl FromStr for Form {
                 if power.abs() > HIGHEST_POWER {
                     return Err(failure(format!("the powers in {term} exceed {HIGHEST_POWER}")));
                 }
-                // Depth and speeds are zero somewhere in a drive.
+                // Depth and speeds pass through zero during a drive.
                 if power < 0.0 && matches!(variable, Variable::X | Variable::Rate | Variable::Decay) {
                     return Err(failure(format!("{term} is infinite where {} is 0", variable.name())));
                 }
@@ -263,7 +263,7 @@ impl FromStr for Form {
     }
 }
 
-/// Parts between separators outside brackets.
+/// Splits a text at separators outside brackets.
 fn split(text: &str, separator: char) -> Vec<&str> {
     let (mut parts, mut depth, mut start) = (Vec::new(), 0_i32, 0);
     for (at, letter) in text.char_indices() {
@@ -281,7 +281,7 @@ fn split(text: &str, separator: char) -> Vec<&str> {
     parts
 }
 
-/// The terms of a product of factors.
+/// Parses a product of factors into terms.
 fn product(text: &str) -> Result<Vec<Term>, String> {
     let mut terms = vec![Term::ONE];
     for factor in split(text, '*') {
@@ -297,7 +297,7 @@ fn product(text: &str) -> Result<Vec<Term>, String> {
     Ok(terms)
 }
 
-/// `1`, a variable with a power, or `poly(x,n)`.
+/// Parses `1`, a variable with a power, or `poly(x,n)`.
 fn factor_of(text: &str) -> Result<Vec<Term>, String> {
     let shown = || text.chars().take(40).collect::<String>();
     if text.is_empty() {

@@ -1,4 +1,4 @@
-//! A fitted law: coefficients with their covariance, the range of the data, force, work and bands.
+//! A fitted law: coefficients with their covariance, the range of the data, force, work and confidence bands.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
@@ -10,10 +10,10 @@ use super::file::{FitFile, check};
 use super::form::{Form, Variable};
 use super::law_error::{FIT_SCHEMA, LawError};
 
-/// Negative eigenvalues of a covariance up to this part of the largest are rounding.
+/// Negative eigenvalues of a covariance up to this fraction of the largest are attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Part of a range by which a value may lie beyond it, for the rounding of units.
+/// Tolerance at the ends of a range, as a fraction of it, for rounding in unit conversion.
 pub(super) const SLACK: f64 = 1e-6;
 
 /// A fitted law of penetration resistance.
@@ -24,7 +24,7 @@ pub struct FittedLaw {
     form: Form,
     coefficients: DVector<f64>,
     covariance: DMatrix<f64>,
-    /// Square root of the covariance: V = root root^T.
+    /// Matrix square root of the covariance: V = root root^T.
     root: DMatrix<f64>,
 }
 
@@ -60,7 +60,7 @@ impl TryFrom<FitFile> for FittedLaw {
             return Err(failure);
         }
         let covariance = DMatrix::from_fn(size, size, |i, j| covariance[i][j]);
-        // Eigenvectors of the correlations, because coefficients of different size would hide each other.
+        // Eigenvectors of the correlation matrix, because coefficients differ greatly in magnitude.
         let scale: Vec<f64> = covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
         let unit = |i: usize| if scale[i] > 0.0 { 1.0 / scale[i] } else { 0.0 };
         let correlation = DMatrix::from_fn(size, size, |i, j| covariance[(i, j)] * unit(i) * unit(j));
@@ -92,18 +92,18 @@ impl From<FittedLaw> for FitFile {
     }
 }
 
-/// The scatter that a band includes.
+/// Sources of scatter included in a band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scatter {
     /// Uncertainty of the law only.
     Law,
-    /// One shot into a specimen: and sigma_b.
+    /// One drive into one specimen: adds sigma_b.
     Shot,
-    /// One measured point: and sigma_w.
+    /// One measured point: adds sigma_w.
     Point,
 }
 
-/// Where a value lies in the range of the data.
+/// Position of a value relative to the range of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Placement {
     /// Name of the variable.
@@ -112,17 +112,17 @@ pub struct Placement {
     pub value: f64,
     /// Range of the data.
     pub range: [f64; 2],
-    /// Whether the value lies in it.
+    /// Whether the value lies within it.
     pub inside: bool,
 }
 
 impl FittedLaw {
-    /// The fit as it is written.
+    /// The contents of the law's file.
     pub fn file(&self) -> &FitFile {
         &self.file
     }
 
-    /// The law with the digests of its files of data, by name, and whether it may be used beyond their range.
+    /// Adds the digests of the data files, by name, and whether the law may be used beyond their range.
     #[must_use]
     pub fn with_data(mut self, data: Vec<(String, String)>, extrapolate: bool) -> Self {
         (self.file.data, self.file.extrapolate) = (data, extrapolate);
@@ -144,7 +144,7 @@ impl FittedLaw {
         &self.covariance
     }
 
-    /// Whether the law needs the speed of an impact.
+    /// Whether the law needs the impact speed.
     pub fn needs_impact(&self) -> bool {
         self.dynamic()
             && Variable::ALL
@@ -152,26 +152,26 @@ impl FittedLaw {
                 .any(|v| (v.needs_impact() || *v == Variable::Rate) && self.form.uses(*v))
     }
 
-    /// Whether the data are of impacts.
+    /// Whether the data are from impacts.
     pub fn dynamic(&self) -> bool {
         self.file.ranges.impact_speed_m_s.is_some()
     }
 
-    /// Speed at which a law of constant-speed tests is used in a dynamic run: the highest of the data \[m/s\].
+    /// Speed at which a dynamic run uses a law from constant-speed tests: the highest in the data \[m/s\].
     pub fn reference_speed(&self) -> f64 {
         self.file.ranges.speed_m_s[1]
     }
 
-    /// Number of values by which a law is drawn: one of the specimen, and one a term.
+    /// Number of random values needed to draw a law: one for the specimen and one per term.
     pub fn draw_size(&self) -> usize {
         self.coefficients.len() + 1
     }
 
-    /// A law drawn with the uncertainty of this one, by [`draw_size`](Self::draw_size) numbers of N(0, 1). The first
-    /// gives the specimen's deviation b from N(0, sigma_b^2), the others C from N(C, V), along the principal components
-    /// of the correlations of C, the largest first. Numbers that are missing are 0.
+    /// Draws a law within the uncertainty of this one from [`draw_size`](Self::draw_size) samples of N(0, 1). The first
+    /// sample gives the specimen's deviation b ~ N(0, sigma_b^2), the others give C ~ N(C, V) along the principal
+    /// components of the correlation matrix of C, the largest first. Missing samples count as 0.
     ///
-    /// sigma_b includes the scatter of the specimens' hardness: drawing H_M too would count it twice.
+    /// sigma_b includes the scatter of the specimens' hardness, so H_M must not be drawn as well.
     #[must_use]
     pub fn drawn(&self, normal: &[f64]) -> Self {
         let terms = self.coefficients.len();
@@ -185,7 +185,7 @@ impl FittedLaw {
         law
     }
 
-    /// b, deviation of the specimen of a drawn law.
+    /// b, the specimen deviation of a drawn law.
     pub(super) fn specimen_deviation(&self) -> f64 {
         self.file.specimen_deviation.unwrap_or(0.0)
     }
@@ -198,7 +198,7 @@ impl FittedLaw {
         )
     }
 
-    /// s at a depth \[m\] and speed \[m/s\], not clipped.
+    /// s at a depth \[m\] and speed \[m/s\], not clipped at zero.
     pub fn root(&self, conditions: &Conditions, depth: f64, speed: f64) -> f64 {
         self.row(conditions, depth, speed).dot(&self.coefficients) + self.specimen_deviation()
     }
@@ -208,8 +208,8 @@ impl FittedLaw {
         conditions.force_scale() * self.root(conditions, depth, speed).max(0.0).powi(2)
     }
 
-    /// The force's two-sided band \[N\] at `confidence` (0..1): H_M NL max(0, z C -+ t u)^2 with u^2 = z V z, and the
-    /// variances of `scatter`.
+    /// Two-sided band of the force \[N\] at `confidence` (0..1): H_M NL max(0, z C -+ t u)^2, where u^2 is z V z plus
+    /// the variances of `scatter`.
     pub fn band(
         &self,
         conditions: &Conditions,
@@ -232,7 +232,7 @@ impl FittedLaw {
 
     /// Work over the nail's length at constant speed and its standard error \[J\]: W = H_M NL^2 C^T G C with G_jk = int
     /// m_j m_k dx, var W = h^T V h, h = 2 H_M NL^2 G C. None for a law with `decay`, whose work depends on the drive,
-    /// and where s falls below 0, where the force is cut off.
+    /// and where s becomes negative, so that the force is cut off.
     pub fn work(&self, conditions: &Conditions, speed: f64) -> Option<[f64; 2]> {
         let length = conditions.specimen.length;
         if self.form.uses(Variable::Decay)
@@ -256,7 +256,7 @@ impl FittedLaw {
         Some([work, h.dot(&(&self.covariance * &h)).max(0.0).sqrt()])
     }
 
-    /// Where the conditions of a drive lie in the range of the data, by variable of the form.
+    /// Position of a drive's conditions in the range of the data, for each variable of the form.
     pub fn placement(&self, conditions: &Conditions) -> Vec<Placement> {
         let speed = match conditions.driving {
             Driving::Constant { speed } | Driving::Impact { speed, .. } => speed,
@@ -265,7 +265,7 @@ impl FittedLaw {
         let mut found = Vec::new();
         for variable in Variable::ALL {
             let value = values[variable as usize];
-            // Depth and speeds run through their ranges; for the depth, only how deep the data go counts.
+            // Depth and speed pass through their ranges; for depth, only the deepest point matters.
             if matches!(variable, Variable::Decay) || value.is_nan() || !self.form.uses(variable) {
                 continue;
             }
@@ -276,7 +276,7 @@ impl FittedLaw {
                 }
                 let mut slack = SLACK * high.abs();
                 if variable == Variable::X {
-                    // A point is the mean of a bin.
+                    // A point is the mean over a bin.
                     slack += BIN;
                 }
                 found.push(Placement {

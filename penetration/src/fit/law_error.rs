@@ -1,36 +1,36 @@
-//! Why a file contains no fitted law.
+//! Reasons why a file is not a valid fitted law.
 
 use thiserror::Error;
 
 use super::form::FormError;
 
-/// The layout of a fit in a file.
+/// Identifier of the file layout of a fit.
 pub const FIT_SCHEMA: &str = "nailnoise-fit/1";
 
-/// Why a file contains no fitted law.
+/// Why a file is not a valid fitted law.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LawError {
-    /// Another layout.
+    /// The schema is not supported.
     #[error("its schema is \"{found}\", not \"{FIT_SCHEMA}\"")]
     Schema {
         /// The schema found.
         found: String,
     },
-    /// A form or term that is none.
+    /// The form or a term is invalid.
     #[error(transparent)]
     Form(#[from] FormError),
-    /// Terms that are not those of the form.
+    /// A term does not match the form.
     #[error("term {place} is \"{found}\", and the form has \"{expected}\" there")]
     Term {
-        /// Place of the term, from 1.
+        /// Position of the term, from 1.
         place: usize,
         /// The term found.
         found: String,
-        /// The term of the form.
+        /// The term in the form.
         expected: String,
     },
-    /// A number out of its domain.
+    /// A value is outside its domain.
     #[error("{what} is {value}, and must be {rule}")]
     Value {
         /// The quantity.
@@ -40,7 +40,7 @@ pub enum LawError {
         /// The requirement.
         rule: &'static str,
     },
-    /// A covariance of another size, not symmetric, or with a negative eigenvalue.
+    /// The covariance has the wrong size, is not symmetric, or has a negative eigenvalue.
     #[error("the covariance is no symmetric matrix of {size} rows without negative eigenvalues")]
     Covariance {
         /// Number of terms.

@@ -1,30 +1,31 @@
-//! Linear least squares by a rank-revealing QR decomposition.
+//! Linear least squares with a rank-revealing QR decomposition.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::error::FitError;
 
-/// Size of a pivot, as a part of the largest, below which a column is a combination of others.
+/// Relative pivot size below which a column counts as a combination of others.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Least part of a partner in a dependent column for naming it.
+/// Smallest contribution of a column for it to be named as a partner of a dependent column.
 const PARTNER: f64 = 1e-6;
 
-/// min |X c - s|, X of full rank, without normal equations (Golub and Van Loan, Matrix Computations, 2013, sec. 5.4).
+/// Solves min |X c - s| for X of full rank without normal equations (Golub and Van Loan, Matrix Computations, 2013,
+/// sec. 5.4).
 #[derive(Debug, Clone)]
 pub(super) struct LeastSquares {
-    /// Orthonormal columns that span those of X.
+    /// Orthonormal basis of the column space of X.
     q: DMatrix<f64>,
-    /// c = A Q^T s, in the terms of the law.
+    /// A, which maps Q^T s to the coefficients of the terms: c = A Q^T s.
     inverse: DMatrix<f64>,
 }
 
 impl LeastSquares {
-    /// Decomposes `matrix`; its coefficients become those of the terms by `conversion`. A column whose norm is below
-    /// `RANK_TOLERANCE` times its entry of `raw_norms` is zero.
+    /// Decomposes `matrix`; `conversion` maps its coefficients to those of the terms. A column counts as zero if its
+    /// norm is below `RANK_TOLERANCE` times its entry of `raw_norms`.
     ///
     /// # Errors
-    /// [`FitError::NotIdentifiable`] with the names of the columns that depend on each other.
+    /// [`FitError::NotIdentifiable`], naming the dependent columns.
     pub(super) fn new(
         mut matrix: DMatrix<f64>,
         conversion: &DMatrix<f64>,
@@ -81,7 +82,7 @@ impl LeastSquares {
         &self.q
     }
 
-    /// A: from the orthonormal basis to the terms.
+    /// A, which maps coefficients in the orthonormal basis to those of the terms.
     pub(super) fn inverse(&self) -> &DMatrix<f64> {
         &self.inverse
     }
@@ -91,9 +92,8 @@ impl LeastSquares {
         &self.inverse * self.inverse.transpose()
     }
 
-    /// Covariance of the coefficients with residuals that depend on each other within each of `clusters`, and not
-    /// between them: (X^T X)^-1 (sum X_g^T e_g e_g^T X_g) (X^T X)^-1 G/(G-1) (n-1)/(n-p) (CR1; Liang and Zeger 1986,
-    /// Biometrika 73).
+    /// Covariance of the coefficients with residuals correlated within each of `clusters` but not between them: (X^T
+    /// X)^-1 (sum X_g^T e_g e_g^T X_g) (X^T X)^-1 G/(G-1) (n-1)/(n-p) (CR1; Liang and Zeger 1986, Biometrika 73).
     pub(super) fn clustered(&self, residuals: &DVector<f64>, clusters: &[std::ops::Range<usize>]) -> DMatrix<f64> {
         let (n, p, groups) = (self.q.nrows() as f64, self.q.ncols(), clusters.len() as f64);
         let mut meat = DMatrix::zeros(p, p);
@@ -108,13 +108,13 @@ impl LeastSquares {
     }
 }
 
-/// The error that the column at place `rank` of the pivoted order is a combination of those before it.
+/// The error that the column in position `rank` of the pivot order is a combination of earlier ones.
 fn dependent(r: &DMatrix<f64>, rank: usize, order: &[usize], names: &[String]) -> FitError {
     let leading = r.view((0, 0), (rank, rank)).into_owned();
     let parts = leading.solve_upper_triangular(&r.view((0, rank), (rank, 1)).into_owned());
     let partners = (0..rank).filter(|&k| parts.as_ref().is_none_or(|parts| parts[(k, 0)].abs() > PARTNER));
     let mut all: Vec<usize> = partners.map(|k| order[k]).chain([order[rank]]).collect();
-    // The last of them in the form is the one to doubt.
+    // The term that comes last in the form is the one reported.
     all.sort_unstable();
     let term = all.pop().map_or_else(String::new, |last| names[last].clone());
     FitError::NotIdentifiable {

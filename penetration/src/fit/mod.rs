@@ -1,7 +1,7 @@
 //! Penetration laws from measured drives: regression, quality, uncertainty.
 //!
-//! Source of the forms and of the quality measures: Nili Ahmadabadi (2016), ch. 2 (quasi-static) and ch. 3 (the groups
-//! at high speed, without published coefficients).
+//! The forms and quality measures are those of Nili Ahmadabadi (2016), ch. 2 (quasi-static) and ch. 3 (groups at high
+//! speed, without published coefficients).
 
 mod basis;
 mod clean;

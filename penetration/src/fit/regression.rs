@@ -1,11 +1,11 @@
 //! Regression of s = sqrt(F_r/(H_M NL)) on the terms of a law.
 //!
-//! Ordinary least squares serves laws of quasi-static tests. The group `decay` = v/v0 depends on the drive itself: in
-//! harder wood the nail is slower, so that the specimen's deviation biases the coefficient of least squares. A law with
-//! `decay` is therefore fitted in two steps. The terms that change while a nail is driven are fitted within drives
-//! (every drive less its mean). Then the means of the drives, equally weighted, are fitted on the terms that are
-//! constant in a drive. The covariance of the first step enters the second (Mundlak 1978, Econometrica 46; Hausman and
-//! Taylor 1981, Econometrica 49).
+//! Ordinary least squares serves for quasi-static tests. The group `decay` = v/v0 depends on the drive itself: in
+//! harder wood the nail is slower, so the specimen's deviation biases the least-squares coefficient. A law with `decay`
+//! is therefore fitted in two steps. First, the terms that vary during a drive are fitted within drives, after
+//! subtracting the mean of each drive. Then the means of the drives, equally weighted, are fitted to the terms that are
+//! constant within a drive. The covariance of the first step is propagated to the second (Mundlak 1978, Econometrica
+//! 46; Hausman and Taylor 1981, Econometrica 49).
 
 use std::ops::Range;
 
@@ -18,20 +18,20 @@ use super::error::FitError;
 use super::form::{Form, Term, Values, Variable};
 use super::least_squares::LeastSquares;
 
-/// How the coefficients are found.
+/// How the coefficients are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Ordinary least squares over all points.
     LeastSquares,
-    /// Terms that vary within drives first, then the means of the drives.
+    /// First the terms that vary within drives, then the means of the drives.
     WithinBetween,
 }
 
 impl Method {
-    /// The method that a form and its data need. How deep a projectile drives a nail, and how fast, depends on the
-    /// specimen: least squares over all points would take the soft specimens that reach far for an effect of depth or
-    /// speed.
+    /// The method required by a form and its data. How deep and how fast a projectile drives a nail depends on the
+    /// specimen. Least squares over all points would mistake the influence of soft specimens, which are penetrated
+    /// deeper, for an effect of depth or speed.
     pub fn of(form: &Form, drives: &[Drive]) -> Self {
         if form.uses(Variable::Decay) || drives.iter().any(|drive| !drive.conditions.driving.is_constant()) {
             Self::WithinBetween
@@ -41,16 +41,16 @@ impl Method {
     }
 }
 
-/// The design of a regression: drives and terms without the measured forces.
+/// A regression problem: drives and terms without the measured forces.
 #[derive(Debug, Clone)]
 pub struct Regression {
     method: Method,
     form: Form,
-    /// Points of each drive.
+    /// Range of points of each drive.
     drives: Vec<Range<usize>>,
     /// Whether each term varies within a drive.
     varying: Vec<bool>,
-    /// Sums of squares of the terms' columns about their means, in the step that finds them.
+    /// Sum of squares of each term's column about its mean, in the step that estimates the term.
     spread: Vec<f64>,
     steps: Steps,
 }
@@ -59,9 +59,9 @@ pub struct Regression {
 enum Steps {
     One(LeastSquares),
     Two {
-        /// Varying terms, every drive less its mean.
+        /// The varying terms, with the mean of each drive subtracted.
         within: LeastSquares,
-        /// Terms constant in a drive; a row a drive.
+        /// The terms constant within a drive, one row per drive.
         between: Option<LeastSquares>,
         /// Means of the varying terms over each drive.
         means: DMatrix<f64>,
@@ -72,13 +72,13 @@ enum Steps {
 /// Coefficients with their covariance.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// C, one a term.
+    /// C, one per term.
     pub coefficients: DVector<f64>,
-    /// Covariance that allows for deviations common to a drive; the classical one for a single drive.
+    /// Covariance allowing for errors correlated within a drive; the classical one for a single drive.
     pub covariance: DMatrix<f64>,
-    /// Covariance as if all points were independent.
+    /// Covariance if all points were independent.
     pub classical: DMatrix<f64>,
-    /// s less the law, by point.
+    /// Measured s minus fitted s, by point.
     pub residuals: DVector<f64>,
     /// sigma_b, standard deviation between drives.
     pub sigma_between: f64,
@@ -91,10 +91,10 @@ pub struct Solution {
 }
 
 impl Regression {
-    /// The design of fitting `form` to the points of `drives` by `method`.
+    /// Sets up the fit of `form` to the points of `drives` with `method`.
     ///
     /// # Errors
-    /// [`FitError`] where the drives cannot determine the terms.
+    /// [`FitError`] if the drives do not determine the terms.
     pub fn new(form: &Form, drives: &[Drive], method: Method) -> Result<Self, FitError> {
         let points: usize = drives.iter().map(|drive| drive.points.len()).sum();
         if points == 0 {
@@ -111,8 +111,8 @@ impl Regression {
         let constant_speed = drives.iter().all(|drive| drive.conditions.driving.is_constant());
         let varying: Vec<bool> = terms.iter().map(|term| term.varies(constant_speed)).collect();
         let constants = varying.iter().filter(|varies| !**varies).count();
-        // Means of drives are the data of the terms that are constant in a drive, whatever the method; a lone
-        // polynomial fits one drive.
+        // The terms constant within a drive are fitted to the means of the drives, whatever the method. A polynomial
+        // alone can be fitted to one drive.
         if constants > 1 && drives.len() <= constants {
             return Err(FitError::TooFewDrives {
                 drives: drives.len(),
@@ -149,7 +149,7 @@ impl Regression {
         &self.form
     }
 
-    /// Points of each drive.
+    /// Range of points of each drive.
     pub fn drives(&self) -> &[Range<usize>] {
         &self.drives
     }
@@ -270,7 +270,8 @@ impl Regression {
         }
     }
 
-    /// VIF of each term, the factor by which its dependence on the others raises its variance; none for constants.
+    /// Variance inflation factor of each term, by which its dependence on others raises its variance; none for
+    /// constants.
     pub fn variance_inflation(&self) -> Vec<Option<f64>> {
         let diagonal = |fit: &LeastSquares| fit.inverse_gram().diagonal();
         let mut gram = vec![0.0; self.spread.len()];
@@ -298,8 +299,8 @@ impl Regression {
             .collect()
     }
 
-    /// sigma_b and sigma_w of residuals: the analysis of variance of one factor with unequal numbers (Searle, Casella
-    /// and McCulloch, Variance Components, 1992, sec. 3.6), less the terms that take degrees of freedom of each.
+    /// sigma_b and sigma_w of the residuals, by one-way analysis of variance for unbalanced data (Searle, Casella and
+    /// McCulloch, Variance Components, 1992, sec. 3.6), less the degrees of freedom taken by the terms.
     fn components(&self, residuals: &DVector<f64>) -> [f64; 2] {
         let (n, groups) = (residuals.len() as f64, self.drives.len() as f64);
         let (mut inside, mut outside, mut squares) = (0.0, 0.0, 0.0);
@@ -322,7 +323,7 @@ impl Regression {
     }
 }
 
-/// Refuses data that cannot be fitted, before any decomposition.
+/// Rejects data that cannot be fitted, before any decomposition.
 fn check(form: &Form, drives: &[Drive], points: usize) -> Result<(), FitError> {
     for drive in drives {
         let s = &drive.conditions.specimen;
@@ -421,7 +422,7 @@ fn column_norms(matrix: &DMatrix<f64>) -> Vec<f64> {
     matrix.column_iter().map(|column| column.norm()).collect()
 }
 
-/// Sum of squares of each column about its mean; zero where that is rounding.
+/// Sum of squares of each column about its mean; zero if that is within rounding.
 fn spreads(matrix: &DMatrix<f64>) -> Vec<f64> {
     let spread = |column: nalgebra::DVectorView<'_, f64>| {
         let (mean, scale) = (column.mean(), column.norm_squared());

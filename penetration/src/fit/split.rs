@@ -1,12 +1,12 @@
-//! Friction and deformation-fracture parts of the resistance.
+//! Splits the resistance into friction and deformation-fracture parts.
 //!
-//! A second drive of the nail into its own hole measures only friction; the first less the second is the
-//! deformation-fracture part (Nili Ahmadabadi 2016, sec. 2.4.3). Helical nails turn, so that the second drive does not
-//! follow the first one's thread. The shapes fitted are ours: friction f x, deformation D min(1, x/x_k).
+//! A second drive of the nail into its own hole measures only friction; the difference to the first drive is the
+//! deformation-fracture part (Nili Ahmadabadi 2016, sec. 2.4.3). Helical nails rotate, so their second drive does not
+//! follow the thread of the first. The functions fitted are our own: friction f x, deformation D min(1, x/x_k).
 
 use super::drive::Drive;
 
-/// Parts of the resistance over depth.
+/// Parts of the resistance as functions of depth.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Split {
     /// f, friction at full depth \[N\].
@@ -17,18 +17,18 @@ pub struct Split {
     pub knee: f64,
     /// f/(f + D), `wood.friction_share`.
     pub friction_share: f64,
-    /// Standard error of the share over the pairs of drives; none for one pair.
+    /// Standard error of the share over the pairs of drives; none for a single pair.
     pub share_error: Option<f64>,
-    /// Pairs of a first and a second drive.
+    /// Number of pairs of first and second drives.
     pub pairs: usize,
-    /// Root mean square errors of both shapes \[N\].
+    /// Root mean square errors of the two functions \[N\].
     pub errors: [f64; 2],
 }
 
-/// Depths at which a split is formed, as parts of the nail's length.
+/// Number of depths over the nail's length at which the split is computed.
 const STATIONS: usize = 100;
 
-/// Friction and deformation of pairs of first and second drives into the same holes; none without a common depth.
+/// Splits pairs of first and second drives into the same holes; none without a common depth.
 pub fn split(pairs: &[(&Drive, &Drive)]) -> Option<Split> {
     let mut all: [Vec<(f64, f64)>; 2] = [Vec::new(), Vec::new()];
     let mut shares = Vec::new();
@@ -75,7 +75,7 @@ pub fn split(pairs: &[(&Drive, &Drive)]) -> Option<Split> {
     })
 }
 
-/// Force at x by linear interpolation between the points; none beyond them.
+/// Force at x by linear interpolation; none beyond the points.
 fn force(drive: &Drive, x: f64) -> Option<f64> {
     let depth = x * drive.conditions.specimen.length;
     let right = drive.points.partition_point(|point| point.depth < depth);
@@ -93,7 +93,7 @@ fn proportional(points: &[(f64, f64)]) -> f64 {
     xf / xx
 }
 
-/// D and x_k of D min(1, x/x_k): the best of the stations as x_k.
+/// D and x_k of D min(1, x/x_k), with the best station as x_k.
 fn plateau(points: &[(f64, f64)]) -> (f64, f64) {
     let fit = |knee: f64| {
         let shape = |x: f64| (x / knee).min(1.0);

@@ -1,8 +1,8 @@
-//! Runs stages: looks their outputs up in the store, else computes and stores them, side by side if it can; counts
-//! time.
+//! Runs stages: looks up their outputs in the store, or else computes and stores them, in parallel where possible, and
+//! measures their time.
 //!
-//! The graph contains no physics: it only handles keys, codecs and inputs of stages. Within one graph every output is
-//! made once, as long as somebody refers to it: an output is freed when no pending stage reads it.
+//! The graph contains no physics; it handles only keys, codecs and inputs of stages. Each output is made once and
+//! shared within a graph as long as it is referenced; it is freed when no pending stage needs it.
 
 mod stopwatch;
 
@@ -61,14 +61,14 @@ impl<E: StageError> Graph<E> {
         }
     }
 
-    /// One that does not report the beginnings of stages: for work that runs the same stages many times.
+    /// Creates an empty graph that does not report the start of stages, for work that runs the same stages many times.
     pub fn quiet(store: &Store, observer: Arc<dyn Observer>) -> Self {
         Self::new(Arc::new(store.clone()), Arc::new(WithoutStages(observer)))
     }
 
-    /// Adds a stage; its output is made when it is first read. Stages of one key share one output.
+    /// Adds a stage, whose output is made when it is first read. Stages with the same key share one output.
     pub fn add<S: Stage<Error = E>>(&self, stage: S) -> Stored<S::Output, E> {
-        let (key, inputs) = inputs::during(|| key(&stage));
+        let (key, inputs) = inputs::collect(|| key(&stage));
         let mut nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
         let known = nodes
             .get(&key)
@@ -87,23 +87,23 @@ impl<E: StageError> Graph<E> {
         Stored::new(key, node)
     }
 
-    /// The output of a stage.
+    /// Returns the output of a stage.
     ///
     /// # Errors
-    /// That of the stage or of one of its inputs.
+    /// The error of the stage or of one of its inputs.
     pub fn get<S: Stage<Error = E>>(&self, stage: S) -> Result<Arc<S::Output>, E> {
         self.add(stage).get()
     }
 
-    /// Makes several outputs side by side.
+    /// Makes several outputs in parallel.
     ///
     /// # Errors
-    /// The first one that is a cause rather than a consequence of another.
+    /// The first error that is a cause rather than a consequence.
     pub fn prepare(&self, inputs: &[&dyn Input<E>]) -> Result<(), E> {
         prepare(inputs)
     }
 
-    /// Runs work of the caller's own under a name in the timing.
+    /// Runs the caller's own work and records its time under `name`.
     pub fn time<T>(&self, name: &'static str, work: impl FnOnce() -> T) -> T {
         self.context.time(name, work)
     }
@@ -117,7 +117,7 @@ impl<E: StageError> Graph<E> {
             .clone()
     }
 
-    /// Target of the progress.
+    /// Where progress is reported.
     pub fn progress(&self) -> &Progress {
         &self.context.progress
     }
@@ -135,7 +135,7 @@ impl<E: StageError> Default for Graph<E> {
     }
 }
 
-/// Digest of a stage's name, of the code that it calls and of its inputs.
+/// Digest of a stage's name, of its code and of its inputs.
 pub fn key<S: Stage>(stage: &S) -> Digest {
     Key::empty().with(S::NAME).with(&S::CODE).with(stage).digest()
 }
@@ -159,7 +159,7 @@ struct Node<S: Stage> {
 }
 
 enum State<S: Stage> {
-    /// With its inputs, which are let go once the output is made.
+    /// Contains the inputs, which are released once the output is made.
     Pending(S, Vec<Arc<dyn Input<S::Error>>>),
     Done(Arc<S::Output>),
     Failed,
@@ -167,7 +167,7 @@ enum State<S: Stage> {
 
 impl<S: Stage> Source<S::Output, S::Error> for Node<S> {
     fn get(&self) -> Result<Arc<S::Output>, S::Error> {
-        // The output that it would wait for here may need a thread of a parallel loop.
+        // Waiting here could deadlock: the output may need a thread of the caller's parallel loop.
         debug_assert!(
             rayon::current_thread_index().is_none(),
             "inputs are read before parallel work begins"
@@ -193,7 +193,7 @@ impl<S: Stage> Source<S::Output, S::Error> for Node<S> {
 }
 
 impl<S: Stage> Node<S> {
-    /// The output from the store, else computed and stored.
+    /// Loads the output from the store, or computes and stores it.
     fn make(&self, stage: &S, inputs: &[Arc<dyn Input<S::Error>>]) -> Result<S::Output, S::Error> {
         let Context { store, progress, .. } = &*self.context;
         let before = if S::Codec::KEPT {
@@ -208,7 +208,8 @@ impl<S: Stage> Node<S> {
             let inputs: Vec<&dyn Input<S::Error>> = inputs.iter().map(|input| &**input).collect();
             prepare(&inputs)
         })?;
-        // In scope until the output is stored. Inputs are made before, so that a process waits only for its inputs.
+        // The claim is held until the output is stored. Inputs are made first, so that other processes wait only for
+        // this stage.
         let _claim = S::Codec::KEPT.then(|| {
             let step = || {
                 // The cause of a long wait.
@@ -233,7 +234,7 @@ impl<S: Stage> Node<S> {
         Ok(value)
     }
 
-    /// The output from the store, if it is there.
+    /// Loads the output from the store, if present.
     fn kept(&self) -> Option<S::Output> {
         let Context { store, progress, .. } = &*self.context;
         if !S::Codec::KEPT {
@@ -247,7 +248,7 @@ impl<S: Stage> Node<S> {
     }
 }
 
-/// Makes inputs side by side, each on a separate thread: the thread pool stays free for the work within each.
+/// Makes inputs in parallel, each on a separate thread, so that the thread pool remains free for the work within each.
 fn prepare<E: StageError>(inputs: &[&dyn Input<E>]) -> Result<(), E> {
     let Some((last, others)) = inputs.split_last() else {
         return Ok(());

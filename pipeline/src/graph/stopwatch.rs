@@ -1,18 +1,18 @@
-//! Wall time of each stage, without that of the stages that it waits for.
+//! Wall time of each stage, excluding the time spent waiting for other stages.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 thread_local! {
-    /// Time that this thread has spent waiting for other stages within the present one.
+    /// Time that this thread has spent waiting for other stages during the current one.
     static WAITED: Cell<Duration> = const { Cell::new(Duration::ZERO) };
 }
 
-/// Measures the time that a stage takes for itself.
+/// Measures the time of a stage itself.
 pub(super) struct Stopwatch;
 
 impl Stopwatch {
-    /// Runs work; returns its value and the time it took less the time it waited for other stages.
+    /// Runs work; returns its value and its duration, less the time spent waiting for other stages.
     pub(super) fn run<T>(work: impl FnOnce() -> T) -> (T, Duration) {
         let before = WAITED.replace(Duration::ZERO);
         let start = Instant::now();
@@ -22,7 +22,7 @@ impl Stopwatch {
         (value, whole.saturating_sub(waited))
     }
 
-    /// Runs work that another stage is charged for.
+    /// Runs work whose time is charged to another stage.
     pub(super) fn wait<T>(work: impl FnOnce() -> T) -> T {
         let before = WAITED.get();
         let start = Instant::now();

@@ -1,7 +1,8 @@
-//! Whether bytes are those that were written.
+//! Detects whether bytes differ from those written.
 //!
-//! A checksum finds damage, for which XXH3-128 (Collet) is as good as a cryptographic digest and many times as fast:
-//! one altered file in 2^128 passes. Inputs of stages and of designs, which must not be confused, have SHA-256.
+//! The checksum detects damage. XXH3-128 (Collet) is as good for this as a cryptographic digest and many times faster:
+//! it misses one altered file in 2^128. Inputs of stages and designs, which must never be confused, are digested with
+//! SHA-256.
 
 use std::io::{self, Read, Write};
 
@@ -10,12 +11,12 @@ use twox_hash::XxHash3_128;
 /// XXH3-128, little-endian.
 pub type Checksum = [u8; 16];
 
-/// Of these bytes.
+/// Checksum of a byte slice.
 pub fn checksum(bytes: &[u8]) -> Checksum {
     XxHash3_128::oneshot(bytes).to_le_bytes()
 }
 
-/// Continues to read or write and sums up the bytes.
+/// Passes bytes through to a reader or writer and sums them.
 pub(super) struct Summed<W> {
     to: W,
     sum: XxHash3_128,
@@ -27,7 +28,7 @@ impl<W> Summed<W> {
         Self { to, sum }
     }
 
-    /// Of all that has passed.
+    /// Checksum of all bytes so far.
     pub(super) fn checksum(&self) -> Checksum {
         self.sum.finish_128().to_le_bytes()
     }
@@ -62,7 +63,7 @@ impl<W: Write> Write for Summed<W> {
 mod tests {
     use super::*;
 
-    /// From the vectors of the method's author (xxhash 0.8, seed 0).
+    /// Test vectors of the reference implementation (xxhash 0.8, seed 0).
     #[test]
     fn the_checksum_is_xxh3_of_128_bits() {
         assert_eq!(

@@ -1,14 +1,15 @@
-//! Claims: which process computes an entry, so that those that share a folder do not compute the same one side by side.
+//! Claims tell processes that share a folder which of them computes an entry, so that no entry is computed twice at the
+//! same time.
 //!
-//! A claim is a file next to the entry. It is created only if none exists (O_EXCL, which network file systems honour,
-//! too) and removed once the entry is written. There are no locks: the owner sets the time of the file every [`BEAT`].
-//! A claim whose time has not changed for [`Patience::stale`] is taken over. The clock of the waiting process decides,
-//! because clocks of machines differ. A claim whose owner is a process of this machine that has ended is taken over at
-//! once. A claim that cannot be read still has a time. Every wait is limited: an object that is not a file, an object
-//! that cannot be removed, and an owner that does not finish end it, each with its cause.
+//! A claim is a file next to the entry. It is created only if none exists (O_EXCL, which network file systems honour as
+//! well) and removed once the entry is written. There are no locks: the owner updates the time of the file every
+//! [`BEAT`]. A claim whose time has not changed for [`Patience::stale`] is taken over. The waiting process measures
+//! this with its own clock, because the clocks of machines differ. A claim is taken over at once if its owner was a
+//! process of this machine that has ended. Even a claim that cannot be read has a time. Every wait is limited: it ends
+//! with a stated cause if the object is not a file, cannot be removed, or has an owner that never finishes.
 //!
-//! A claim is advice. Entries are written completely and verified whoever wrote them, so that two owners at once only
-//! cost time.
+//! Claims are advisory. Entries are written atomically and verified whoever wrote them, so simultaneous owners only
+//! waste time.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read as _, Write as _};
@@ -20,24 +21,24 @@ use std::time::{Duration, Instant, SystemTime};
 
 use thiserror::Error;
 
-/// How often the owner shows that it lives.
+/// How often the owner signals that it is alive.
 const BEAT: Duration = Duration::from_secs(2);
-/// First and longest pause of one who waits.
+/// First and longest pause between checks while waiting.
 const PAUSES: [Duration; 2] = [Duration::from_millis(5), Duration::from_millis(250)];
-/// Most of a claim's file that is read \[byte\]; a claim has less than 200.
+/// Largest number of bytes read from a claim file; a claim has less than 200.
 const LONGEST_TOKEN: u64 = 4096;
 
-/// Claims of this process so far.
+/// Number of claims made by this process.
 static TAKEN: AtomicU64 = AtomicU64::new(0);
 
-/// Limits of a wait for another process.
+/// Time limits of a wait for another process.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patience {
-    /// A wait that takes longer is reported.
+    /// A wait longer than this is reported.
     reported: Duration,
-    /// Without a change for this long, the owner of a claim is taken to have ended.
+    /// An owner whose claim has not changed for this long is assumed dead.
     stale: Duration,
-    /// After this, an entry is computed regardless of other processes.
+    /// After this time, the entry is computed regardless of other processes.
     longest: Duration,
 }
 
@@ -50,18 +51,18 @@ impl Patience {
     };
 }
 
-/// Why an entry is computed without a claim although it is not there.
+/// Why an entry is computed without a claim.
 #[derive(Debug, Error)]
 pub(super) enum Unclaimed {
-    /// No file can be created in the folder.
+    /// The claim file cannot be created.
     #[error("{} cannot be created ({source})", path.display())]
     NotCreated {
-        /// The claim, or the folder.
+        /// The claim file or the folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The name of the claim is taken by an object that processes do not write.
+    /// The path of the claim is occupied by an object that no process of this program creates.
     #[error("{} is {kind}, not the claim of a process; remove it", path.display())]
     Obstacle {
         /// The claim.
@@ -69,29 +70,29 @@ pub(super) enum Unclaimed {
         /// Kind of the object.
         kind: &'static str,
     },
-    /// The claim of an ended process stays.
+    /// The claim of an ended process cannot be removed.
     #[error("{owner} has ended or been silent too long, and its claim {} cannot be removed ({source})", path.display())]
     Immovable {
         /// The claim.
         path: PathBuf,
-        /// Who made it.
+        /// The process that made it.
         owner: String,
-        /// Message of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The owner lives, and does not finish.
+    /// The owner is alive but does not finish.
     #[error("{owner} has the claim {} and has not finished in {} minutes", path.display(), waited.as_secs() / 60)]
     TooLong {
         /// The claim.
         path: PathBuf,
-        /// Who has it.
+        /// The process that owns it.
         owner: String,
-        /// How long it was waited for.
+        /// Time waited so far.
         waited: Duration,
     },
 }
 
-/// The claim to compute an entry, given back when it is dropped.
+/// The claim to compute an entry, released when dropped.
 #[derive(Debug)]
 pub struct Claim {
     path: PathBuf,
@@ -99,7 +100,7 @@ pub struct Claim {
     beat: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// The claim's file next to an entry; its name is that of a file that is swept away when it is old.
+/// Path of the claim file next to an entry; its name lets old claims be swept as temporary files.
 fn beside(entry: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(entry.file_name().unwrap_or_default());
@@ -107,11 +108,11 @@ fn beside(entry: &Path) -> PathBuf {
     entry.with_file_name(name)
 }
 
-/// The claim on an entry, once nobody else has it; none if the entry has appeared meanwhile. While another process has
-/// it, `step` is called now and then, and `report` once with the cause of a wait that is not short.
+/// Waits until no other process has a claim on the entry, and makes one; none if the entry has appeared meanwhile.
+/// While waiting, it calls `step` now and then, and `report` once, with the cause, if the wait is long.
 ///
 /// # Errors
-/// [`Unclaimed`]: the entry is then computed without a claim.
+/// [`Unclaimed`]: the entry must then be computed without a claim.
 pub(super) fn wait(
     entry: &Path,
     patience: Patience,
@@ -131,7 +132,7 @@ pub(super) fn wait(
         if appeared() {
             return Ok(None);
         }
-        // If the claim has gone, the next round makes one.
+        // If the claim is gone, the next iteration makes one.
         let owner = if let Some(now) = Seen::look(&path)? {
             let since = last.take().filter(|(seen, _)| *seen == now);
             let since = since.map_or_else(Instant::now, |(_, since)| since);
@@ -169,7 +170,7 @@ pub(super) fn wait(
     }
 }
 
-/// The text in a claim.
+/// The content of a claim file.
 #[derive(Debug, PartialEq, Eq)]
 enum Token {
     Text(String),
@@ -185,14 +186,13 @@ struct Seen {
 }
 
 impl Seen {
-    /// Visible state of the claim; none if it has gone. It is opened each time, which makes a network file system ask
-    /// its server.
+    /// Reads the visible state of the claim; none if it is gone. It is reopened each time, which forces a network file
+    /// system to ask its server.
     ///
     /// # Errors
-    /// [`Unclaimed::Obstacle`] for anything but a file: processes of this program do not make such an object, so that
-    /// nobody will remove it.
+    /// [`Unclaimed::Obstacle`] for anything but a file: no process of this program creates or removes such an object.
     fn look(path: &Path) -> Result<Option<Self>, Unclaimed> {
-        // Only a file can be opened without waiting: a pipe waits for a writer.
+        // Only regular files are opened: opening a pipe would block until it has a writer.
         match fs::symlink_metadata(path) {
             Ok(data) if data.is_file() => {}
             Ok(data) => {
@@ -224,12 +224,12 @@ impl Seen {
         Ok(time.ok().map(|time| Self { token, time }))
     }
 
-    /// Whether the claim is the one with this token.
+    /// Whether the claim contains this token.
     fn has(&self, token: &str) -> bool {
         matches!(&self.token, Token::Text(own) if own == token)
     }
 
-    /// Machine, number and start of the owner; none if the token does not state them.
+    /// Machine, process number and start time of the owner; none if the token does not state them.
     fn process(&self) -> Option<(&str, u32, &str)> {
         let Token::Text(text) = &self.token else { return None };
         let mut parts = text.split_whitespace();
@@ -244,7 +244,7 @@ impl Seen {
         })
     }
 
-    /// The owner in words.
+    /// Describes the owner for messages.
     fn owner(&self) -> String {
         match (self.process(), &self.token) {
             (Some((machine, process, _)), _) if this_machine().is_some_and(|own| own == machine) => {
@@ -257,11 +257,11 @@ impl Seen {
     }
 }
 
-/// Removes a claim without an owner. Of several who try, one renames it; a claim that was taken over meanwhile is put
-/// back.
+/// Removes a claim without an owner. If several processes try, only one succeeds in renaming it; a claim that was taken
+/// over meanwhile is restored.
 ///
 /// # Errors
-/// If the claim cannot be renamed, for example where only owners may rename their files in a folder.
+/// If the claim cannot be renamed, for example in a folder where only owners may rename files.
 fn take_over(path: &Path, stale: &Seen) -> io::Result<()> {
     let mut aside = path.as_os_str().to_owned();
     aside.push(format!(
@@ -282,25 +282,24 @@ fn take_over(path: &Path, stale: &Seen) -> io::Result<()> {
     }
 }
 
-/// Name of this machine since it started, and of the space of its process numbers; none if the system does not state
-/// it.
+/// Identifies the machine since its start, and its namespace of process numbers; none if the system does not report it.
 fn this_machine() -> Option<String> {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
     let space = fs::read_link("/proc/self/ns/pid").ok()?;
     Some(format!("{}/{}", boot.trim(), space.display()))
 }
 
-/// When a process of this machine started, in ticks of its clock; none if it does not run.
+/// Start time of a process of this machine, in clock ticks; none if it does not run.
 fn start_of(process: u32) -> Option<String> {
     let text = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the command, in brackets, may contain spaces; the start is the 20th field after it.
+    // The command name, in brackets, may contain spaces; the start time is the 20th field after it.
     Some(text.rsplit_once(')')?.1.split_whitespace().nth(19)?.to_owned())
 }
 
 /// Why a claim could not be made.
 #[derive(Debug)]
 enum NotMade {
-    /// Another one is there.
+    /// Another claim exists.
     Taken,
     /// This file or folder cannot be created.
     Failed(PathBuf, io::Error),
@@ -309,7 +308,7 @@ enum NotMade {
 impl Claim {
     /// Creates the file unless it exists.
     fn create(path: &Path) -> Result<Self, NotMade> {
-        // A file with the name of the folder is not a claim, although the system has the same error for both.
+        // If the folder's path is a file, the system reports the same error as for an existing claim.
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|source| NotMade::Failed(folder.to_owned(), source))?;
         }
@@ -337,8 +336,8 @@ impl Claim {
     }
 }
 
-/// A thread that sets the time of a claim's file until it is told to end. The file stays open: a file that a new owner
-/// has put there is not touched.
+/// Spawns a thread that updates the time of the claim file until told to stop. The file stays open, so that a new
+/// owner's file at the same path is not touched.
 fn beating(file: File) -> Option<(Sender<()>, JoinHandle<()>)> {
     let (sender, ended) = channel();
     let beat = move || {
@@ -375,7 +374,7 @@ mod tests {
         folder.join("stage-00.entry")
     }
 
-    /// Waits with the usual limits and without reports.
+    /// Makes a claim with the usual limits, without reporting.
     fn claimed(entry: &Path) -> Option<Claim> {
         wait(entry, Patience::USUAL, || false, || (), |_| ()).unwrap()
     }
@@ -407,8 +406,8 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// The first process of a machine never ends while it runs; a start that is not its own shows that the number was
-    /// given anew.
+    /// Process 1 of a machine never ends while the machine runs; a different start time shows that its number was
+    /// reused.
     #[test]
     #[cfg(target_os = "linux")]
     fn the_claim_of_a_process_that_has_ended_is_taken_over_at_once_and_that_of_another_machine_is_not() {
@@ -444,7 +443,7 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// Empty, not text, half-written, and far longer than a claim: each is a file without renewal.
+    /// Empty, binary, half-written and overlong: each is a file that is not renewed.
     #[test]
     fn a_claim_without_a_legible_owner_is_taken_over_when_it_is_stale_and_the_wait_is_reported() {
         let entry = entry("illegible");
@@ -520,7 +519,7 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// Its time moves at every look, as that of a process that computes without end.
+    /// Its time changes at every check, like that of a process that computes forever.
     #[test]
     fn an_owner_that_lives_and_never_finishes_is_not_waited_for_without_limit() {
         let entry = entry("endless");

@@ -1,11 +1,11 @@
-//! One entry: a header of 66 bytes, then the value in the postcard format.
+//! A cache entry: a header of 66 bytes, followed by the value in the postcard format.
 //!
 //! ```text
 //! 18 bytes  "nailnoise cache 2\n"
 //! 32 bytes  SHA-256 of the inputs
 //! 16 bytes  XXH3-128 of the value's bytes
 //! ```
-//! The name is the stage, a hyphen, and the digest of the inputs in hexadecimal digits.
+//! The file name consists of the stage, a hyphen and the digest of the inputs in hexadecimal.
 
 use std::fs::{File, Metadata};
 use std::io::{self, BufReader, Read, Seek as _, SeekFrom, Write};
@@ -20,43 +20,43 @@ use super::replace::replace;
 
 const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 
-/// Bytes with which entries of all versions begin.
+/// Leading bytes of entries of all versions.
 const OF_ALL_VERSIONS: &[u8] = b"nailnoise cache ";
 
-/// Bytes of the checksum.
+/// Size of the checksum \[bytes\].
 const SUM: usize = size_of::<Checksum>();
 
-/// Bytes before the value's.
+/// Size of the header \[bytes\].
 const HEADER: usize = MAGIC.len() + 32 + SUM;
 
-/// Bytes of small values that are read or written at once.
+/// Buffer size for reading and writing \[bytes\].
 const BUFFER: usize = 1 << 16;
 
-/// Extension of the files.
+/// Extension of the entry files.
 const EXTENSION: &str = "entry";
 
-/// The fault of an entry.
+/// What is wrong with an entry.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Damage {
-    /// Something else than a file has its name.
+    /// The object with its name is not a file.
     #[error("is {0}, not a file")]
     NoFile(&'static str),
     /// The file cannot be read.
     #[error("cannot be read ({0})")]
     Unreadable(#[from] io::Error),
-    /// It is not an entry of this format.
+    /// The file is not an entry of this format.
     #[error("is of another format")]
     Foreign,
-    /// Its header names other inputs than its file name.
+    /// The inputs in its header differ from those in its file name.
     #[error("belongs to other inputs")]
     Misplaced,
-    /// Its bytes are not those that were written.
+    /// The bytes differ from those that were written.
     #[error("is damaged: its content does not match its checksum")]
     Altered,
 }
 
-/// Whether a file of this name is an entry: a stage and 64 hexadecimal digits.
+/// Whether a file name is that of an entry: a stage and 64 hexadecimal digits.
 pub(super) fn is_name(name: &str) -> bool {
     let digits = name
         .strip_suffix(EXTENSION)
@@ -66,8 +66,8 @@ pub(super) fn is_name(name: &str) -> bool {
     digits.len() == 64 && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
 }
 
-/// Whether a file begins as an entry of this or another version of the program, or has been cut short of its header.
-/// Only an object that is not a file is in the way of an entry.
+/// Whether a file begins like an entry of any version of the program, or is truncated within its header. Only an object
+/// that is not a file obstructs an entry.
 pub(super) fn is_own(path: &Path) -> bool {
     if !path.is_file() {
         return true;
@@ -78,7 +78,7 @@ pub(super) fn is_own(path: &Path) -> bool {
     read.is_ok() && beginning.starts_with(known)
 }
 
-/// The file's name.
+/// The file name of an entry.
 pub(super) fn name(stage: &str, digest: &[u8; 32]) -> String {
     let stage: String = stage
         .chars()
@@ -87,8 +87,8 @@ pub(super) fn name(stage: &str, digest: &[u8; 32]) -> String {
     format!("{stage}-{}.{EXTENSION}", hexadecimal(digest))
 }
 
-/// Result of `decode` from the value's bytes as they are read, and their number, if there are any. The result is
-/// discarded unless the bytes are those that were written.
+/// Applies `decode` to the value's bytes while they are read; also returns their number. None if there is no entry. The
+/// result is discarded if the bytes differ from those that were written.
 pub(super) fn read_by<T>(
     path: &Path,
     inputs: &[u8; 32],
@@ -99,7 +99,7 @@ pub(super) fn read_by<T>(
     };
     let mut content = BufReader::with_capacity(BUFFER, Summed::over(file));
     let value = decode(&mut content, length);
-    // A value that could not be decoded is damaged, or else is another one: the rest of the file decides.
+    // If decoding failed, the rest of the file shows whether it is damaged or has another layout.
     io::copy(&mut content, &mut io::sink())?;
     let content = content.into_inner();
     if content.checksum() != of_content {
@@ -109,9 +109,9 @@ pub(super) fn read_by<T>(
     Ok(Some(value))
 }
 
-/// The file at the beginning of the value's bytes, their number and checksum, if there is one.
+/// Opens an entry, positioned at the value's bytes; returns their number and checksum. None if there is no entry.
 fn open(path: &Path, inputs: &[u8; 32]) -> Result<Option<(File, usize, Checksum)>, Damage> {
-    // A link to nothing is not an entry, either; the next one replaces it.
+    // A dangling link is not an entry, either; the next entry replaces it.
     let data = match std::fs::metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         found => found?,
@@ -125,7 +125,7 @@ fn open(path: &Path, inputs: &[u8; 32]) -> Result<Option<(File, usize, Checksum)
     Ok(Some((file, length - HEADER, *of_content)))
 }
 
-/// Only a file can be opened without waiting: a pipe waits for a writer.
+/// Only regular files are opened: opening a pipe would block until it has a writer.
 pub(super) fn is_file(data: &Metadata) -> Result<(), Damage> {
     if data.is_file() {
         return Ok(());
@@ -137,7 +137,7 @@ pub(super) fn is_file(data: &Metadata) -> Result<(), Damage> {
     }))
 }
 
-/// Counts an entry as used now, if it exists.
+/// Marks an entry as used now, if it exists.
 pub(super) fn renew(path: &Path) {
     if path.is_file()
         && let Ok(file) = File::open(path)
@@ -147,12 +147,12 @@ pub(super) fn renew(path: &Path) {
 }
 
 fn used(file: &File) {
-    // The time determines the order of removal; if it cannot be set, entries go in the order of their arrival.
+    // The time determines the order of eviction; if it cannot be set, entries are evicted in the order of creation.
     let _ = file.set_modified(SystemTime::now());
 }
 
-/// Writes the bytes that `fill` gives and returns the size of the file, without a copy of them in memory. The file is
-/// not synced: an entry that a failure of power leaves in parts is noticed like any other damage.
+/// Writes the bytes produced by `fill` without a copy in memory, and returns the size of the file. The file is not
+/// synced: an entry left incomplete by a power failure is detected like any other damage.
 pub(super) fn write_by(
     path: &Path,
     inputs: &[u8; 32],
@@ -173,7 +173,7 @@ pub(super) fn write_by(
     })
 }
 
-/// Whether the file is intact and has the name of its entry.
+/// Checks that the file is intact and matches its name.
 pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     is_file(&std::fs::metadata(path).or_else(|_| std::fs::symlink_metadata(path))?)?;
     let bytes = std::fs::read(path)?;
@@ -193,7 +193,7 @@ pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     }
 }
 
-/// The checksum of the value's bytes, and these.
+/// Splits an entry into the checksum and the value's bytes.
 fn parts<'a>(bytes: &'a [u8], inputs: Option<&[u8; 32]>) -> Result<(&'a Checksum, &'a [u8]), Damage> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(Damage::Foreign)?;
     let (of_inputs, rest) = rest.split_first_chunk::<32>().ok_or(Damage::Altered)?;

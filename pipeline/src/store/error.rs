@@ -1,4 +1,4 @@
-//! Why there is no cache.
+//! Errors that prevent the use of a cache.
 
 use std::io;
 use std::path::PathBuf;
@@ -10,11 +10,11 @@ use thiserror::Error;
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// No environment variable names a folder.
+    /// No environment variable names a cache folder.
     #[error("there is no folder for the cache: neither NAILNOISE_CACHE nor XDG_CACHE_HOME nor HOME is set")]
     #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
     NoFolder,
-    /// The path of the cache leads to something that is not a folder, or cannot be reached.
+    /// The cache path is not a folder or cannot be reached.
     #[error("the cache {} {obstacle}", path.display())]
     #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
     Unusable {
@@ -23,7 +23,7 @@ pub enum StoreError {
         /// The object at that path.
         obstacle: Obstacle,
     },
-    /// The folder that the user named for results cannot be used.
+    /// The results folder named by the user cannot be used.
     #[error("the store {} {obstacle}", path.display())]
     #[diagnostic(help("name a folder in which files can be written"))]
     NoStore {
@@ -32,30 +32,30 @@ pub enum StoreError {
         /// The object at that path.
         obstacle: Obstacle,
     },
-    /// The limit is not a size.
+    /// The size limit is not a number.
     #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is no size in GiB")]
     #[diagnostic(help("give a number above zero, for instance 4 or 0.5"))]
     Limit {
-        /// Its content.
+        /// Its text.
         found: String,
     },
 }
 
 impl StoreError {
-    /// Whether a command can still do its work, without a cache.
+    /// Whether a command can do its work without a cache.
     pub fn is_dispensable(&self) -> bool {
         matches!(self, Self::NoFolder | Self::Unusable { .. })
     }
 }
 
-/// Why a path cannot be the folder of a store.
+/// Why a path cannot be used as the folder of a store.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Obstacle {
-    /// Something else has its name.
+    /// Something else has this name.
     #[error("is {0}, not a folder")]
     NoFolder(&'static str),
-    /// It cannot be reached or created.
+    /// The folder cannot be reached or created.
     #[error("cannot be used: {0}")]
     Unreachable(io::Error),
     /// No file can be written in it.

@@ -1,4 +1,4 @@
-//! The folder of the entries: its place, its content, its limit.
+//! The folder of the entries: its location, contents and size limit.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -8,16 +8,16 @@ use std::{env, fs, io};
 use super::entry::{Damage, is_file, is_name, is_own, renew};
 use super::error::{Obstacle, StoreError};
 
-/// Bytes the entries may take together by default: 4 GiB.
+/// Default limit on the total size of the entries: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
 
-/// How far clocks of machines that share a folder may differ.
+/// Largest expected clock difference between machines that share a folder.
 const AHEAD: Duration = Duration::from_secs(3600);
 
-/// Age beyond which a half-written file is abandoned.
+/// Age beyond which a partial file counts as abandoned.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
-/// An entry as it lies in the folder.
+/// An entry found in the folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Listed {
     /// The file.
@@ -30,13 +30,13 @@ pub struct Listed {
     pub used: SystemTime,
 }
 
-/// Whether a path is a folder, or none yet. Nothing is created.
+/// Checks that a path is a folder or does not exist. Creates nothing.
 ///
 /// # Errors
 /// [`Obstacle`].
 pub(super) fn examine(folder: &Path) -> Result<(), Obstacle> {
     let data = match fs::metadata(folder) {
-        // A link to nothing is not an absent folder: none can be created under its name.
+        // A dangling link is not an absent folder: no folder can be created under its name.
         Err(error) if error.kind() == io::ErrorKind::NotFound => match fs::symlink_metadata(folder) {
             Ok(data) => data,
             Err(_) => return Ok(()),
@@ -51,7 +51,7 @@ pub(super) fn examine(folder: &Path) -> Result<(), Obstacle> {
     }
 }
 
-/// Makes sure that files can be written in a folder, which is created if it does not exist.
+/// Ensures that files can be written in a folder, which is created if necessary.
 ///
 /// # Errors
 /// [`Obstacle`].
@@ -60,12 +60,12 @@ pub(super) fn occupy(folder: &Path) -> Result<(), Obstacle> {
     fs::create_dir_all(folder).map_err(Obstacle::Unreachable)?;
     let trial = folder.join(format!(".trial-{}.tmp", std::process::id()));
     let written = fs::write(&trial, "").map_err(Obstacle::ReadOnly);
-    // It is swept away later where it cannot be removed.
+    // If it cannot be removed now, it is swept later.
     let _ = fs::remove_file(&trial);
     written
 }
 
-/// The user's folder.
+/// The user's cache folder.
 pub(super) fn of_user() -> Result<PathBuf, StoreError> {
     let set = |name: &str| env::var_os(name).filter(|value: &OsString| !value.is_empty());
     let under = |name: &str, path: &str| set(name).map(|folder| Path::new(&folder).join(path));
@@ -81,7 +81,7 @@ pub(super) fn of_user() -> Result<PathBuf, StoreError> {
         .ok_or(StoreError::NoFolder)
 }
 
-/// The user's limit \[bytes\].
+/// The user's size limit \[bytes\].
 pub(super) fn limit() -> Result<u64, StoreError> {
     let Some(found) = env::var_os("NAILNOISE_CACHE_LIMIT") else {
         return Ok(LIMIT);
@@ -93,7 +93,7 @@ pub(super) fn limit() -> Result<u64, StoreError> {
     }
 }
 
-/// Files in a folder; none if it does not exist.
+/// Lists the files of a folder; none if it does not exist.
 fn files(folder: &Path) -> io::Result<Vec<fs::DirEntry>> {
     match fs::read_dir(folder) {
         Ok(files) => files.collect(),
@@ -102,7 +102,7 @@ fn files(folder: &Path) -> io::Result<Vec<fs::DirEntry>> {
     }
 }
 
-/// Folders, links to nothing, pipes and the like that have the names of entries. Objects with other names belong to
+/// Folders, dangling links, pipes and the like that have the names of entries. Objects with other names belong to
 /// somebody else.
 pub(super) fn obstacles(folder: &Path) -> io::Result<Vec<(PathBuf, Damage)>> {
     let mut found = Vec::new();
@@ -120,7 +120,7 @@ pub(super) fn obstacles(folder: &Path) -> io::Result<Vec<(PathBuf, Damage)>> {
     Ok(found)
 }
 
-/// All entries of a folder, last used first; none when it does not exist.
+/// All entries of a folder, most recently used first; none if the folder does not exist.
 pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
     let mut entries = Vec::new();
     for file in files(folder)? {
@@ -149,12 +149,12 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
     Ok(entries)
 }
 
-/// Removes the least recently used entries until the others are within the limit; returns the bytes of the others.
+/// Removes the least recently used entries until the rest is within the limit; returns the total size of the rest.
 pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     sweep(folder)?;
     let (mut sum, mut left) = (0_u64, 0);
     let mut entries = entries(folder)?;
-    // A clock that was set back leaves times in the future, whose order is meaningless: they count as used now.
+    // If a clock was set back, file times may lie in the future. Their order is meaningless, so they count as used now.
     let soon = SystemTime::now() + AHEAD;
     for entry in entries.iter().filter(|entry| entry.used > soon) {
         renew(&entry.path);
@@ -162,7 +162,7 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     entries.sort_by_key(|entry| entry.used > soon);
     for entry in entries {
         sum += entry.bytes;
-        // In a folder that several users share, each may remove their own entries only; those of the others stay.
+        // In a shared folder, users may be able to remove only their own entries; those of others remain.
         if sum <= limit || !is_own(&entry.path) || remove(&entry.path).is_err() {
             left += entry.bytes;
         }
@@ -170,7 +170,7 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     Ok(left)
 }
 
-/// Removes half-written files of killed processes; a file of the last hour may still be under way.
+/// Removes partial files of killed processes; files of the last hour are left because they may still be in use.
 fn sweep(folder: &Path) -> io::Result<()> {
     for file in files(folder)? {
         let path = file.path();
@@ -181,14 +181,14 @@ fn sweep(folder: &Path) -> io::Result<()> {
                 .file_name()
                 .is_some_and(|name| name.to_string_lossy().starts_with('.'));
         if old && is_own {
-            // Files of another user stay if only owners may remove their files.
+            // Files of other users remain if only owners may remove them.
             let _ = remove(&path);
         }
     }
     Ok(())
 }
 
-/// Removes an entry or the object under its name, unless another process has done so.
+/// Removes an entry, or the object with its name, unless another process already has.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
     let removed = match fs::symlink_metadata(path) {
         Ok(data) if data.is_dir() => fs::remove_dir_all(path),

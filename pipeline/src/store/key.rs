@@ -1,14 +1,14 @@
-//! The digest of everything a stage depends on.
+//! The digest of everything that a stage depends on.
 
 use std::io::{self, BufWriter, Write};
 
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
-/// Bytes of inputs that are digested at once: the record of a cycle has twenty million.
+/// Buffer size for digesting inputs; the record of a cycle has twenty million bytes.
 const BUFFER: usize = 1 << 16;
 
-/// Digests all bytes written to it.
+/// A writer that digests all bytes.
 struct Digesting<'a>(&'a mut Sha256);
 
 impl Write for Digesting<'_> {
@@ -22,10 +22,10 @@ impl Write for Digesting<'_> {
     }
 }
 
-/// Digest of all that a value depends on.
+/// Digest of everything that a value depends on.
 pub type Digest = [u8; 32];
 
-/// Bytes in hexadecimal digits.
+/// Formats bytes in hexadecimal.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -35,28 +35,28 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
 pub struct Key(Sha256);
 
 impl Key {
-    /// Depends on nothing yet.
+    /// Creates a key that depends on nothing.
     pub fn empty() -> Self {
         Self(Sha256::new())
     }
 
-    /// Depends on this value as well.
+    /// Adds a value to the key.
     ///
-    /// Numbers count by their bits, sequences and texts with their length, so that no two lists of inputs share their
-    /// bytes.
+    /// Numbers are digested by their bits, sequences and texts with their length, so that no two lists of inputs yield
+    /// the same bytes.
     #[must_use]
     pub fn with<T: Serialize + ?Sized>(mut self, value: &T) -> Self {
         let mut buffer = BufWriter::with_capacity(BUFFER, Digesting(&mut self.0));
-        // Only a type without a fixed form (a sequence of unknown length) cannot be written: a mistake in this program
-        // that every test of its stage meets.
+        // Only a type without a fixed form (a sequence of unknown length) cannot be written. That would be a
+        // programming error, which every test of the stage detects.
         if let Err(error) = postcard::to_io(value, &mut buffer) {
             unreachable!("inputs of a stage have a fixed form: {error}");
         }
-        drop(buffer); // what it holds is digested
+        drop(buffer); // flushes it into the digest
         self
     }
 
-    /// The digest of all of it.
+    /// The digest of all values added.
     pub fn digest(self) -> Digest {
         self.0.finalize().into()
     }

@@ -1,10 +1,10 @@
-//! Results of expensive stages, stored from run to run under the digest of everything they depend on.
+//! Caches the results of expensive stages between runs, under the digest of everything they depend on.
 //!
-//! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the sources of this program; it
-//! contains the checksum of its content. Truncated, altered or foreign entries are noticed, reported and computed anew.
-//! Values have the same bytes on every machine. Files are written completely, so that several processes may share a
-//! folder and a killed one leaves nothing half-written. The least recently used entries go first when the folder
-//! outgrows its limit.
+//! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the program's sources; it contains
+//! a checksum of its contents. Truncated, altered or foreign entries are detected, reported and recomputed. Values have
+//! the same bytes on every machine. Files are written atomically, so that several processes may share a folder and a
+//! killed process leaves no partial entry. When the folder exceeds its limit, the least recently used entries are
+//! removed.
 
 mod checksum;
 mod claim;
@@ -31,45 +31,45 @@ pub use key::{Digest, Key, hexadecimal};
 
 use crate::codec::Codec;
 
-/// The store for results of expensive stages, if any.
+/// The store for results of expensive stages; it may be absent.
 #[derive(Debug, Clone, Default)]
 pub struct Store {
     place: Option<Place>,
     /// Notes for the user: damaged entries, a folder that cannot be written.
     notes: Arc<Mutex<Vec<String>>>,
-    /// Which notes there have been that are worth one a run.
+    /// Which once-per-run notes have already been made.
     noted: Arc<Noted>,
     /// Names of the entries that were read or written.
     used: Arc<Mutex<BTreeSet<String>>>,
 }
 
-/// Notes that are taken once however often their cause occurs.
+/// Flags for notes made once per run, however often their cause occurs.
 #[derive(Debug, Default)]
 struct Noted {
-    /// Nothing can be stored.
+    /// Results cannot be stored.
     unkept: AtomicBool,
-    /// Another process computes the same.
+    /// Another process computes the same entry.
     waiting: AtomicBool,
     /// An entry is computed without a claim.
     unclaimed: AtomicBool,
 }
 
-/// An entry's time and size, which distinguish a new one from an old one; none if the entry does not exist.
+/// Time and size of an entry, by which a new entry is distinguished from an old one; none if it does not exist.
 pub type Stamp = Option<(SystemTime, u64)>;
 
 #[derive(Debug, Clone)]
 struct Place {
     folder: PathBuf,
-    /// Bytes that all entries may take together.
+    /// Limit on the total size of all entries \[bytes\].
     limit: u64,
-    /// Bytes that may be written before the folder is scanned again; none before the first scan.
+    /// Number of bytes that may be written before the next scan of the folder; none before the first scan.
     allowance: Arc<Mutex<Option<u64>>>,
 }
 
 impl Place {
-    /// Bounds the folder by its limit. A scan costs time for every entry, and a study writes thousands. Thus the folder
-    /// is scanned once the bytes written reach the free space or a sixteenth of the limit, which other processes may
-    /// write meanwhile.
+    /// Enforces the size limit. A scan takes time for every entry, and a study writes thousands. The folder is
+    /// therefore scanned only once the bytes written reach the free space or a sixteenth of the limit; other processes
+    /// may write as much meanwhile.
     fn bound(&self, written: u64) -> std::io::Result<()> {
         let mut allowance = self.allowance.lock().unwrap_or_else(PoisonError::into_inner);
         *allowance = match allowance.and_then(|free| free.checked_sub(written)) {
@@ -83,24 +83,23 @@ impl Place {
     }
 }
 
-/// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them
-/// out differently share a folder without reading each other's entries.
+/// The key of an entry: the digest of the stage's key and of the code that determines the byte layout. Programs with
+/// different layouts can thus share a folder without reading each other's entries.
 fn in_this_layout(key: &Digest) -> Digest {
     Key::empty().with(env!("NAILNOISE_LAYOUT")).with(key).digest()
 }
 
 impl Store {
-    /// Keeps nothing.
+    /// A store that stores nothing.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// The user's own: `$NAILNOISE_CACHE`, else `$XDG_CACHE_HOME/nailnoise`, else `~/.cache/nailnoise` (on Windows
-    /// `%LOCALAPPDATA%\nailnoise\cache`); at most
-    /// `$NAILNOISE_CACHE_LIMIT` GiB, else [`LIMIT`].
+    /// The user's cache: `$NAILNOISE_CACHE`, else `$XDG_CACHE_HOME/nailnoise`, else `~/.cache/nailnoise` (on Windows
+    /// `%LOCALAPPDATA%\nailnoise\cache`). Its limit is `$NAILNOISE_CACHE_LIMIT` GiB, else [`LIMIT`].
     ///
     /// # Errors
-    /// [`StoreError`] where the environment names no folder, something else than a folder, or no size.
+    /// [`StoreError`] if the environment names no folder, something other than a folder, or an invalid size.
     pub fn of_user() -> Result<Self, StoreError> {
         let (limit, path) = (folder::limit()?, folder::of_user()?);
         match folder::examine(&path) {
@@ -109,18 +108,18 @@ impl Store {
         }
     }
 
-    /// In a folder that the user named for results, and that has no limit; it is created if it does not exist.
+    /// A store without a size limit in a results folder named by the user, which is created if necessary.
     ///
     /// # Errors
-    /// [`StoreError::NoStore`] where no files can be written in it.
+    /// [`StoreError::NoStore`] if files cannot be written there.
     pub fn shared(path: &Path) -> Result<Self, StoreError> {
         Self::examined(path, u64::MAX, folder::occupy(path))
     }
 
-    /// In a folder that the user named, with this many bytes at most; files may be read-only there.
+    /// A store in a folder named by the user, with a size limit in bytes; the folder may be read-only.
     ///
     /// # Errors
-    /// [`StoreError::NoStore`] if it is not a folder.
+    /// [`StoreError::NoStore`] if the path is not a folder.
     pub fn in_folder(path: &Path, limit: u64) -> Result<Self, StoreError> {
         Self::examined(path, limit, folder::examine(path))
     }
@@ -133,7 +132,7 @@ impl Store {
         }
     }
 
-    /// In this folder, with this many bytes at most.
+    /// A store in this folder with a size limit in bytes.
     pub fn at(folder: PathBuf, limit: u64) -> Self {
         Self {
             place: Some(Place {
@@ -152,15 +151,15 @@ impl Store {
         self.place.as_ref().map(|store| store.folder.as_path())
     }
 
-    /// Bytes that all entries may take together; 0 if nothing is stored.
+    /// Limit on the total size of all entries \[bytes\]; 0 if nothing is stored.
     pub fn limit(&self) -> u64 {
         self.place.as_ref().map_or(0, |store| store.limit)
     }
 
-    /// The value that was read; damage becomes a note.
+    /// Unwraps the value that was read, and turns damage into a note.
     fn undamaged<T>(&self, place: &Place, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
         found.unwrap_or_else(|damage| {
-            // No entry is damaged where the folder has become something else.
+            // If the folder itself has been replaced by something else, the entry is not damaged.
             if let Damage::Unreadable(source) = &damage
                 && !place.folder.is_dir()
             {
@@ -179,7 +178,7 @@ impl Store {
         })
     }
 
-    /// A folder that cannot be written is worth one note, not one for each stage.
+    /// A folder that cannot be written is reported once, not for every stage.
     fn unkept(&self, place: &Place, source: &std::io::Error) {
         if !self.noted.unkept.swap(true, Ordering::Relaxed) {
             self.note(format!(
@@ -189,7 +188,7 @@ impl Store {
         }
     }
 
-    /// The stored output of a stage; damage becomes a note.
+    /// Loads the stored output of a stage; damage becomes a note.
     pub fn load<T, C: Codec<T>>(&self, stage: &str, key: &Digest) -> Option<T> {
         let key = &in_this_layout(key);
         let place = self.place.as_ref()?;
@@ -205,7 +204,7 @@ impl Store {
         value.ok().inspect(|_| self.count_as_used(&path))
     }
 
-    /// When the entry of a stage was written or last read, and its size.
+    /// Time of last use and size of a stage's entry.
     pub fn stamp(&self, stage: &str, key: &Digest) -> Stamp {
         let path = self
             .place
@@ -216,9 +215,10 @@ impl Store {
         Some((data.modified().ok()?, data.len()))
     }
 
-    /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another
-    /// one has it, up to an hour; none if nothing is stored, if the entry is no longer that of `before`, or if no claim
-    /// can be made. `step` is called now and then meanwhile; the first long wait and the first failure become notes.
+    /// Claims the computation of a stage's output; other processes respect the claim until it is dropped. Waits up to
+    /// an hour while another process has it. None if nothing is stored, if the entry has changed since `before`, or if
+    /// no claim can be made. `step` is called now and then while waiting; the first long wait and the first failure
+    /// become notes.
     pub fn claim(&self, stage: &str, key: &Digest, before: Stamp, step: impl Fn()) -> Option<Claim> {
         let path = self
             .place
@@ -232,7 +232,7 @@ impl Store {
             }
         };
         claim::wait(&path, Patience::USUAL, appeared, step, report).unwrap_or_else(|cause| {
-            // If no file can be created, the output cannot be stored, either: that is the note.
+            // If no file can be created, the output cannot be stored either, which is reported in another note.
             let is_noted = matches!(cause, Unclaimed::NotCreated { .. });
             if !is_noted && !self.noted.unclaimed.swap(true, Ordering::Relaxed) {
                 self.note(format!("{cause}; the result is computed without waiting"));
@@ -252,28 +252,28 @@ impl Store {
         used.extend(path.file_name().map(|name| name.to_string_lossy().into_owned()));
     }
 
-    /// Stores the output of a stage; trouble becomes a note.
+    /// Stores the output of a stage; failures become notes.
     pub fn save<T, C: Codec<T>>(&self, stage: &str, key: &Digest, value: &T) {
         let Some(place) = &self.place else { return };
         let key = &in_this_layout(key);
         let path = place.folder.join(entry::name(stage, key));
         let written = entry::write_by(&path, key, |to| C::write(value, to)).and_then(|bytes| place.bound(bytes));
         match written {
-            // The note on an object under the name of the entry was taken when the entry was to be read.
+            // The object with the entry's name was already reported when reading was attempted.
             Err(source) if source.kind() == ErrorKind::IsADirectory && path.is_dir() => {}
             Err(source) => self.unkept(place, &source),
             Ok(()) => self.count_as_used(&path),
         }
     }
 
-    /// An entry that is useful without being read counts as used.
+    /// Marks an entry as used when it has served without being read.
     pub fn renew(&self, stage: &str, key: &Digest) {
         if let Some(place) = &self.place {
             entry::renew(&place.folder.join(entry::name(stage, &in_this_layout(key))));
         }
     }
 
-    /// Takes the notes for the user.
+    /// Returns and clears the notes for the user.
     pub fn take_notes(&self) -> Vec<String> {
         self.notes
             .lock()
@@ -281,27 +281,27 @@ impl Store {
             .unwrap_or_default()
     }
 
-    /// All entries, last used first.
+    /// All entries, most recently used first.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn entries(&self) -> std::io::Result<Vec<Listed>> {
         self.folder().map_or_else(|| Ok(Vec::new()), folder::entries)
     }
 
-    /// Folders, links to nothing, pipes and the like that have the names of entries.
+    /// Folders, dangling links, pipes and the like that have the names of entries.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn obstacles(&self) -> std::io::Result<Vec<(PathBuf, Damage)>> {
         self.folder().map_or_else(|| Ok(Vec::new()), folder::obstacles)
     }
 
-    /// Reads every entry completely; returns the damaged files and the [`obstacles`](Self::obstacles), with their
-    /// faults.
+    /// Reads every entry completely; returns the damaged files and the [`obstacles`](Self::obstacles), with what is
+    /// wrong with each.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn verify(&self) -> std::io::Result<Vec<(PathBuf, Damage)>> {
         let damaged = |listed: Listed| entry::verify(&listed.path).err().map(|damage| (listed.path, damage));
         let mut found: Vec<_> = self.entries()?.into_iter().filter_map(damaged).collect();
@@ -309,25 +309,24 @@ impl Store {
         Ok(found)
     }
 
-    /// Removes an entry, or the object under its name.
+    /// Removes an entry or the object with its name.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn remove(&self, path: &Path) -> std::io::Result<()> {
         folder::remove(path)
     }
 
-    /// Whether a file was written by this or another version of the program, or is an obstacle: whether it may be
-    /// removed.
+    /// Whether an object may be removed: it was written by some version of this program, or it is an obstacle.
     pub fn is_own(&self, path: &Path) -> bool {
         entry::is_own(path)
     }
 
-    /// Removes all entries and obstacles; returns how many entries there were, and the files that have the name of an
-    /// entry, but not its content. These are left: this program did not write them.
+    /// Removes all entries and obstacles; returns the number of entries removed, and the files that have the name of an
+    /// entry but not its contents. The latter are left in place because this program did not write them.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn clear(&self) -> std::io::Result<(usize, Vec<PathBuf>)> {
         let entries = self.entries()?.into_iter().map(|entry| entry.path);
         let (own, others): (Vec<PathBuf>, Vec<PathBuf>) = entries.partition(|path| entry::is_own(path));

@@ -10,10 +10,12 @@ use nailnoise_quantities::Kind;
 use nailnoise_quantities::dimension::NUMBER;
 use serde::Serialize;
 
+use crate::atomic_write;
 use crate::commands::table::texts;
-use crate::commands::{Status, print, print_json};
+use crate::commands::{Status, folder_of, print, print_json};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::design::quantity_in_words;
+use crate::drawing;
 use crate::error::Error;
 
 /// Layout of `check --json` of an assembly.
@@ -59,11 +61,48 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, path: &Path, json: bool
     for table in tables.iter().filter(|table| !table.rows.is_empty()) {
         text.push_str(&format!("\n{}", texts(&table.headings, &table.rows)));
     }
+    let sound = match tool.has_design {
+        true => format!("`nailnoise run {}` ranks its sources", path.display()),
+        false => "with a base design, `nailnoise run` ranks its sources".to_owned(),
+    };
     text.push_str(&format!(
-        "\n  `nailnoise cycle {}` computes it; its sound is not computed yet\n",
+        "\n  `nailnoise cycle {}` computes its cycle; {sound}; --drawing draws the network\n",
         path.display()
     ));
     print(&text)?;
+    Ok(Status::SUCCESS)
+}
+
+/// Layout of `check --drawing --json` of an assembly.
+#[derive(Serialize)]
+struct DrawingResult<'a> {
+    schema: &'static str,
+    tool: &'a str,
+    written: &'a Path,
+}
+
+/// Draws the network to a file, `out/NAME/network.svg` by default.
+pub(in crate::commands) fn draw(
+    tool: &AssembledTool,
+    path: &Path,
+    file: Option<&Path>,
+    json: bool,
+) -> Result<Status, Error> {
+    let written = match file {
+        Some(file) => file.to_owned(),
+        None => folder_of(Path::new("out"), &tool.name, path)?.join("network.svg"),
+    };
+    let svg = drawing::network(&tool.name, &tool.resolved.assembly);
+    atomic_write::write(&written, svg.as_bytes())?;
+    if json {
+        print_json(&DrawingResult {
+            schema: "nailnoise-network-drawing/1",
+            tool: &tool.name,
+            written: &written,
+        })?;
+    } else {
+        print(&format!("{}: network drawn to {}\n", tool.name, written.display()))?;
+    }
     Ok(Status::SUCCESS)
 }
 
@@ -238,7 +277,7 @@ fn coefficient(coefficient: &Coefficient) -> String {
     }
 }
 
-/// Everything that exerts a force, by its pair of bodies.
+/// Everything that exerts a force, by pair of bodies.
 fn forces(assembly: &Assembly) -> Table {
     let pair = |kind: &str, name: &str, on: usize, against: Base| {
         vec![
@@ -382,7 +421,7 @@ fn balances(assembly: &Assembly) -> Table {
                 .faces
                 .iter()
                 .filter(|face| face.body == index && face.push == push);
-            // An empty sum is -0.
+            // An empty sum would be -0.
             of.map(|face| 1e6 * face.area).sum::<f64>().abs()
         };
         let loads: Vec<&str> = assembly
@@ -410,7 +449,7 @@ fn balances(assembly: &Assembly) -> Table {
     }
 }
 
-/// Keys that the files give themselves, which `--set` changes.
+/// Keys that the files define, which `--set` can change.
 fn keys(literals: &[Literal]) -> Table {
     let row = |literal: &Literal| {
         let dimension = match literal.kind {

@@ -11,17 +11,17 @@ use crate::commands::{Status, folder_of, print, print_json, progress, status_of,
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
-use crate::output;
+use crate::output::{self, Exports};
 use crate::tables::{self, fixed};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "events.csv";
 
-/// What the command line asks of the cycle.
+/// Options of the command.
 pub(in crate::commands) struct Asked<'a> {
     /// The file of the tool.
     pub(in crate::commands) path: &'a Path,
-    /// Folder of the files; none for the one of the tool's name.
+    /// Folder of the files; by default named after the tool.
     pub(in crate::commands) out: Option<&'a Path>,
     pub(in crate::commands) json: bool,
     pub(in crate::commands) figures: bool,
@@ -44,7 +44,7 @@ struct CycleResult<'a> {
     work: Effort,
     /// Names of the channels, the columns of `histories.csv`.
     channels: Vec<&'a str>,
-    /// Files of the requested figures.
+    /// Files of the charts requested.
     figures: Vec<String>,
 }
 
@@ -90,10 +90,16 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     Ok(status)
 }
 
-/// Writes the tables and, on request, the charts; returns the files of the charts.
+/// Writes the tables and, if requested, the charts; returns the files of the charts.
 fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
     let staging = AtomicWrite::within(folder)?;
-    for file in output::of_network(record)? {
+    for file in output::of_network(
+        record,
+        Exports {
+            histories: true,
+            ..Exports::default()
+        },
+    )? {
         staging.write(&file.path, &file.content)?;
     }
     let charts = if with_figures {

@@ -3,5 +3,5 @@
 mod check;
 mod cycle;
 
-pub(super) use check::execute as check;
+pub(super) use check::{draw, execute as check};
 pub(super) use cycle::{Asked, execute as cycle};

@@ -1,10 +1,11 @@
-//! Woods, nails and worktables by name: which keys `wood.species`, `nail.kind` and `support.worktable.preset` set.
+//! Woods, nails and worktables by name: which keys are set by `wood.species`, `nail.kind` and
+//! `support.worktable.preset`.
 //!
-//! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`, `worktables.toml`), each with
-//! range and provenance. An entry may take the values of another (`like`) and give only those that differ. A name
-//! replaces the values of these keys from the bases of its file. A key given with the name, in the same file or on the
-//! same command line, wins over it. Wood and shank together choose the penetration law and its share of friction
-//! (`pairs.toml`).
+//! The values are fragments of design files embedded in the program (`woods.toml`, `nails.toml`, `worktables.toml`),
+//! each with range and provenance. An entry may take the values of another (`like`) and give only those that differ. A
+//! name replaces the values that bases of the file give to these keys. A key given together with the name, in the same
+//! file or on the same command line, takes precedence over it. The combination of wood and shank determines the
+//! penetration law and its share of friction (`pairs.toml`).
 
 mod names;
 
@@ -27,14 +28,14 @@ const SPECIES: &str = "wood.species";
 const KIND: &str = "nail.kind";
 const PRESET: &str = "support.worktable.preset";
 
-/// The name of values without a name.
+/// The name for values without a catalogue name.
 const OWN: &str = "own";
 
 /// A file of names with the settings of each.
 struct Catalogue {
     file: &'static str,
     text: &'static str,
-    /// The key, in addition to `sets`, by which pairs are chosen.
+    /// The key, in addition to `sets`, by which combinations are looked up.
     sort: &'static str,
 }
 
@@ -62,7 +63,7 @@ const PAIRS: Catalogue = Catalogue {
     sort: "",
 };
 
-/// Meaning of a name.
+/// Properties of a name.
 #[derive(Debug, Default)]
 struct Meaning {
     /// Class of a wood, shank of a nail, a worktable in words.
@@ -107,10 +108,10 @@ impl Catalogue {
     }
 }
 
-/// The names that a chain of files has given so far.
+/// The names given so far by a chain of files.
 #[derive(Debug, Clone)]
 pub(crate) struct Names {
-    /// Class of the wood; none while it is not named.
+    /// Class of the wood; none until it is named.
     class: Option<String>,
     shank: String,
 }
@@ -125,13 +126,13 @@ impl Default for Names {
 }
 
 impl Names {
-    /// Settings from the names among the settings of a file, at its place and before its other settings.
+    /// Expands the names in a file's settings; the resulting settings precede the file's other settings.
     ///
-    /// Wood and shank set their common keys only if one of them changes: a law from the user's tests outlasts another
-    /// nail of the same shank.
+    /// Wood and shank set their common keys only if one of them changes, so a law from the user's tests is kept for
+    /// another nail with the same shank.
     ///
     /// # Errors
-    /// None with the catalogue of a tested program.
+    /// Cannot occur with a tested catalogue.
     pub(crate) fn expand(&mut self, settings: &[&Setting]) -> Result<Vec<Setting>, DesignError> {
         let mut sets = Vec::new();
         for (name, meaning) in self.meanings(|key| named(settings, key).map(|(word, _)| word))? {
@@ -141,10 +142,10 @@ impl Names {
         Ok(sets)
     }
 
-    /// Values with the settings of the names among them; a value wins over a name.
+    /// Values, with the settings of names among them added; explicit values take precedence over names.
     ///
     /// # Errors
-    /// None with the catalogue of a tested program.
+    /// Cannot occur with a tested catalogue.
     pub(super) fn with_values(&self, values: Vec<(String, Value)>) -> Result<Vec<(String, Value)>, DesignError> {
         let word = |key: &str| match values.iter().find(|(own, _)| own == key) {
             Some((_, Value::Choice(word))) => Some(*word),
@@ -190,7 +191,7 @@ impl Names {
     }
 }
 
-/// The last word that settings give a key, and where.
+/// The last name that settings give for a key, and where.
 fn named<'a>(settings: &[&'a Setting], key: &str) -> Option<(&'static str, &'a Place)> {
     settings
         .iter()
@@ -205,7 +206,7 @@ fn named<'a>(settings: &[&'a Setting], key: &str) -> Option<(&'static str, &'a P
         })
 }
 
-/// A setting of the catalogue at the place of its name, the target of errors and warnings.
+/// A catalogue setting located at the place of its name, for errors and warnings.
 fn placed(mut setting: Setting, at: &Place) -> Setting {
     if let Some((.., own)) = &mut setting.value {
         **own = at.clone();
@@ -216,7 +217,7 @@ fn placed(mut setting: Setting, at: &Place) -> Setting {
     setting
 }
 
-/// One value of a name, for lists.
+/// One value set by a name, for lists.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NamedValue {
     /// Full name of the key.
@@ -235,7 +236,7 @@ pub struct NamedValue {
     pub source: String,
 }
 
-/// A name with all that it sets, for lists.
+/// A name and everything that it sets, for lists.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Named {
     /// The word for the design file.
@@ -253,7 +254,7 @@ pub struct Named {
 /// The woods that `wood.species` can name.
 ///
 /// # Errors
-/// None with the catalogue of a tested program.
+/// Cannot occur with a tested catalogue.
 pub fn woods() -> Result<Vec<Named>, DesignError> {
     listed(&WOODS, Species::WORDS)
 }
@@ -261,7 +262,7 @@ pub fn woods() -> Result<Vec<Named>, DesignError> {
 /// The nails that `nail.kind` can name.
 ///
 /// # Errors
-/// None with the catalogue of a tested program.
+/// Cannot occur with a tested catalogue.
 pub fn nails() -> Result<Vec<Named>, DesignError> {
     listed(&NAILS, NailKind::WORDS)
 }
@@ -269,7 +270,7 @@ pub fn nails() -> Result<Vec<Named>, DesignError> {
 /// The worktables that `support.worktable.preset` can name.
 ///
 /// # Errors
-/// None with the catalogue of a tested program.
+/// Cannot occur with a tested catalogue.
 pub fn worktables() -> Result<Vec<Named>, DesignError> {
     listed(&WORKTABLES, WorktablePreset::WORDS)
 }
@@ -352,7 +353,7 @@ mod tests {
         }
     }
 
-    /// A design that names a table without a base is complete.
+    /// A design that names a table and has no base is complete.
     #[test]
     fn every_worktable_sets_the_same_keys() {
         let keys = |named: &Named| -> Vec<String> { named.sets.iter().map(|own| own.key.clone()).collect() };

@@ -1,15 +1,21 @@
-//! Inputs of a cycle as a network: the assembly of a file, and how it is integrated.
+//! Inputs of a cycle given as a network: the assembly of a file and its numerical settings.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nailnoise_dynamics::network::{AssemblyText, KeyValue, Numerics, Resolved};
+use nailnoise_dynamics::network::{Assembly, AssemblyText, KeyValue, Numerics, Resolved};
+use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 use nailnoise_quantities::Group as _;
 use nailnoise_quantities::dimension::{DAMPING, STIFFNESS};
 
-use crate::design::{Assignment, Design, LoadedAssembly, refused_assembly};
+use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, refused_assembly};
 use crate::error::Error;
 use crate::model::supports;
+use crate::stages::bodies::tool_loads::AXIAL_SURFACES;
+use crate::stages::cycle::{AssembledCycle, Engine, TOOL, WORKPIECE};
+
+/// The design whose mean density gives the volume of a housing without dimensions.
+const REFERENCE: &str = "n80cb.toml";
 
 /// A tool that a file describes as an assembly.
 #[derive(Debug)]
@@ -20,12 +26,14 @@ pub struct AssembledTool {
     pub text: AssemblyText,
     /// The assembly with its literals and keys.
     pub resolved: Resolved,
-    /// How it is integrated and sampled.
+    /// How the cycle is integrated and sampled.
     pub numerics: Numerics,
+    /// Whether the file has a design as its base, with workpiece, support and microphones.
+    pub has_design: bool,
 }
 
 impl AssembledTool {
-    /// Reads the assembly of a file, with other values for some keys; none if neither the file nor its bases have a
+    /// Reads the assembly of a file, with other values for some keys; `None` if neither the file nor its bases have a
     /// table `[cycle]`.
     ///
     /// # Errors
@@ -34,17 +42,14 @@ impl AssembledTool {
         let Some(loaded) = Design::load_assembly(path, assignments)? else {
             return Ok(None);
         };
+        let has_design = matches!(loaded, LoadedAssembly::OfDesign(_));
         let (text, keys, numerics) = match loaded {
             LoadedAssembly::Alone(text) => (text, BTreeMap::new(), Numerics::default()),
             LoadedAssembly::OfDesign(design) => {
                 let Some(text) = design.assembly().cloned() else {
                     return Ok(None);
                 };
-                let numerics = Numerics {
-                    relative_tolerance: design.analysis.cycle_tolerance,
-                    sample_interval: Some(design.analysis.time_step),
-                    ..Numerics::default()
-                };
+                let numerics = numerics(&design);
                 (text, keys(&design)?, numerics)
             }
         };
@@ -57,12 +62,156 @@ impl AssembledTool {
             text,
             resolved,
             numerics,
+            has_design,
         }))
     }
 }
 
+/// The cycle of a design with its own assembly; none for the tool of the keys.
+///
+/// # Errors
+/// [`Error::Design`] with place and remedy.
+pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
+    let Some(text) = design.assembly() else {
+        return Ok(None);
+    };
+    let resolved = text.resolve(&keys(design)?).map_err(refused_assembly)?;
+    if let Some((key, remedy)) = ignored(design, &resolved) {
+        return Err(design.refuse_for_assembly(&key, remedy).into());
+    }
+    Ok(Some(AssembledCycle {
+        assembly: resolved.assembly,
+        numerics: numerics(design),
+    }))
+}
+
+/// A key with a value that the assembly does not follow, and what to do instead.
+fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
+    if design.support.coupling == Coupling::TwoWay {
+        let remedy = "set `support.coupling = \"one_way\"`: an assembly drives workpiece and support one way";
+        return Some(("support.coupling".to_owned(), remedy));
+    }
+    let muffler = "exhaust.muffler.kind";
+    if design.exhaust.muffler.kind == MufflerKind::Chamber && !resolved.keys.contains(muffler) {
+        let remedy = "describe the chamber as a volume of the assembly, between two passages, with the opening behind \
+                      the second, as in the assembly n80cb_chamber";
+        return Some((muffler.to_owned(), remedy));
+    }
+    let own_law = design.wood.penetration_law != ResistanceLaw::Published(PenetrationLaw::SolidWood);
+    let mut found = None;
+    design.visit("", &mut |key, _, value| {
+        let remedy = match (key, value) {
+            (_, Value::Choice("published")) if key.starts_with("model.") => {
+                "remove it: the published forms are those of the tool of the keys; an assembly uses the corrected \
+                 ones unless its formulas read the switch"
+            }
+            ("wood.penetration_law", _) if own_law => {
+                "give the law of the fastener in the assembly: `law = { kind = \"constant\", force = .. }` or \
+                 `law = { kind = \"table\", .. }`"
+            }
+            _ => return,
+        };
+        if !resolved.keys.contains(key) {
+            found.get_or_insert_with(|| (key.to_owned(), remedy));
+        }
+    });
+    found
+}
+
+/// How the cycle of a design's assembly is integrated and sampled.
+fn numerics(design: &Design) -> Numerics {
+    Numerics {
+        relative_tolerance: design.analysis.cycle_tolerance,
+        sample_interval: Some(design.analysis.time_step),
+        ..Numerics::default()
+    }
+}
+
+/// Length of the fastener that an assembly drives into the workpiece \[m\]; none for the nail of the keys.
+pub(crate) fn fastener_length(design: &Design) -> Option<f64> {
+    let cycle = cycle(design).ok()??;
+    let workpiece = body(&cycle.assembly, WORKPIECE)?;
+    let mut fasteners = cycle.assembly.fasteners.iter();
+    fasteners.find(|own| own.into == workpiece).map(|own| own.length)
+}
+
+/// Index of a body of an assembly.
+pub(crate) fn body(assembly: &Assembly, name: &str) -> Option<usize> {
+    assembly.bodies.iter().position(|body| body.name == name)
+}
+
+/// Whether a tool has a body. That of the keys has housing and workpiece.
+pub(crate) fn has_body(engine: &Engine, name: &str) -> bool {
+    match engine {
+        Engine::Keys(_) => true,
+        Engine::Assembly(cycle) => body(&cycle.assembly, name).is_some(),
+    }
+}
+
+/// Mass of the housing in the cycle \[kg\]; zero for a tool without one.
+pub(crate) fn tool_mass(engine: &Engine) -> f64 {
+    match engine {
+        Engine::Keys(cycle) => cycle.parameters.tool.mass,
+        Engine::Assembly(cycle) => body(&cycle.assembly, TOOL).map_or(0.0, |index| cycle.assembly.bodies[index].mass),
+    }
+}
+
+/// Whether the cycle gives the force on every surface of the housing.
+pub(crate) fn loads_housing(text: &AssemblyText) -> bool {
+    let surfaces = text.surfaces(TOOL);
+    AXIAL_SURFACES.iter().all(|own| surfaces.contains(own))
+}
+
+/// Volume of the housing as a rigid body \[m3\]: that of its dimensions or, for an assembly whose housing has no
+/// surfaces, that of its mass at the mean density of the N80CB.
+pub(crate) fn tool_volume(design: &Design, engine: &Engine) -> f64 {
+    let own = design.body.volume(design.piston.bore);
+    match mean_density(design) {
+        Some(density) => tool_mass(engine) / density,
+        None => own,
+    }
+}
+
+/// Mean density of the N80CB \[kg/m3\], where the volume of a housing follows from its mass.
+fn mean_density(design: &Design) -> Option<f64> {
+    design.assembly().filter(|text| !loads_housing(text))?;
+    let reference = Design::shipped(REFERENCE)?;
+    Some(reference.tool.mass / reference.body.volume(reference.piston.bore))
+}
+
+/// Why a housing of an assembly is rigid, in words.
+pub(crate) fn rigid_housing(design: &Design, engine: &Engine) -> Option<String> {
+    let density = mean_density(design)?;
+    Some(format!(
+        "the assembly names no forces on the surfaces of `{TOOL}`: it radiates as a rigid sphere of its mass, {:.2} kg, \
+         at the mean density of the N80CB, {density:.0} kg/m3, which is a volume of {:.2} l",
+        tool_mass(engine),
+        1e3 * tool_volume(design, engine)
+    ))
+}
+
+/// Sources that a tool lacks because its assembly has no such body or no opening, in words.
+pub(crate) fn absent_sources(engine: &Engine) -> Vec<String> {
+    let Engine::Assembly(cycle) = engine else {
+        return Vec::new();
+    };
+    let absent = |name| body(&cycle.assembly, name).is_none();
+    let mut notes = Vec::new();
+    for (name, what) in [(WORKPIECE, "workpiece"), (TOOL, "housing")] {
+        if absent(name) {
+            notes.push(format!(
+                "the assembly has no body `{name}`: its {what} is not among the sources"
+            ));
+        }
+    }
+    if cycle.assembly.openings.is_empty() {
+        notes.push("the assembly has no opening: the exhaust is not among the sources".to_owned());
+    }
+    notes
+}
+
 /// Values of all keys of a design, with `support.stiffness` and `support.damping` of the support in use.
-fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
+pub(crate) fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
     let mut keys = BTreeMap::new();
     design.visit("", &mut |path, spec, value| {
         keys.insert(path.to_owned(), KeyValue::of(spec, &value));
@@ -73,6 +222,9 @@ fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
         ("support.stiffness", support.stiffness, STIFFNESS),
         ("support.damping", damping, DAMPING),
     ] {
+        keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
+    }
+    for (path, si, dimension) in design.set_literals() {
         keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
     }
     Ok(keys)

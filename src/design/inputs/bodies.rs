@@ -11,19 +11,20 @@ use nalgebra::Matrix3;
 use crate::design::{self, Design, NamedSurface, Spring, Sprung, SurfaceOf, SurfaceProblem};
 use crate::error::Error;
 use crate::model::supports::{self, Table};
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{
     BodyKind, ContactFace, Extent, FileUnit, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource, NailPlace,
     Naming, PartMaterials, Properties, Remainder, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
 };
 
-/// Inputs of a body's stages.
+/// Inputs of the stages of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BodyInputs {
-    /// Mesh and materials.
+    /// Geometry and materials.
     pub(crate) geometry: Geometry,
     /// Places of loads.
     pub(crate) places: LoadPlaces,
-    /// Frequency below which all modes are wanted \[Hz\].
+    /// All modes below this frequency are computed \[Hz\].
     pub(crate) below_hz: f64,
     /// Largest residual accepted for any mode.
     pub(crate) residual_limit: f64,
@@ -33,10 +34,10 @@ pub(crate) struct BodyInputs {
     pub(crate) top_hz: f64,
 }
 
-/// A body of a design, with the places of the shot's forces if it is `driven`.
+/// A body of a design; with the places where the shot's forces act if `driven`.
 ///
 /// # Errors
-/// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
+/// [`Error::NoSuchBody`] for the worktable of a design without one; the errors of materials and mesh file.
 pub(crate) fn body(design: &Design, kind: BodyKind, driven: bool) -> Result<BodyInputs, Error> {
     let places = if driven {
         places(design, kind)?
@@ -59,12 +60,12 @@ pub(crate) fn body(design: &Design, kind: BodyKind, driven: bool) -> Result<Body
     })
 }
 
-/// Frequency below which all modes of a body are wanted \[Hz\].
+/// Frequency below which all modes of a body are computed \[Hz\].
 pub(crate) fn below_hz(design: &Design, kind: BodyKind) -> f64 {
     design.analysis.mode_margin * limits(design, kind).0
 }
 
-/// Top frequency \[Hz\] and longest element side \[m\] of a body.
+/// Top frequency \[Hz\] and largest element size \[m\] of a body.
 fn limits(design: &Design, kind: BodyKind) -> (f64, f64) {
     let analysis = &design.analysis;
     match kind {
@@ -74,10 +75,11 @@ fn limits(design: &Design, kind: BodyKind) -> (f64, f64) {
     }
 }
 
-/// Geometry and materials of a body; `remesh` has gmsh mesh the tool body even if a mesh of its dimensions ships.
+/// Geometry and materials of a body. With `remesh`, gmsh meshes the tool body even if a mesh of its dimensions comes
+/// with the program.
 ///
 /// # Errors
-/// As `body`.
+/// Same as [`body`].
 pub fn geometry(design: &Design, kind: BodyKind, remesh: bool) -> Result<Geometry, Error> {
     match kind {
         BodyKind::Workpiece => workpiece(design),
@@ -186,8 +188,8 @@ fn isotropic(c: &design::Isotropic) -> Result<Material, Error> {
     Ok(Material::isotropic(c.young_modulus, c.poisson_ratio, c.density)?)
 }
 
-/// The user's own mesh in place of a body, if there is one; a solid geometry is meshed for waves of the slowest speed
-/// \[m/s\].
+/// The user's own mesh of a body, if there is one. A solid geometry is meshed for the wavelength at the slowest wave
+/// speed \[m/s\].
 fn own_mesh(
     design: &Design,
     kind: BodyKind,
@@ -205,14 +207,14 @@ fn own_mesh(
     Ok(Some(MeshSource::File(file)))
 }
 
-/// How many times longer or shorter than the built-in body a body from a file may be: less than an inch is longer than
-/// a millimetre.
+/// Largest ratio of the lengths of a body from a file and the built-in body, either way; less than the 25.4 between
+/// inches and millimetres.
 const LIKE_BUILT_IN: f64 = 20.0;
 
 /// Longest sides of a hand-held tool \[m\].
 const HAND_HELD: [f64; 2] = [0.05, 3.0];
 
-/// How long a body from a file may be.
+/// Permitted length of a body from a file.
 fn extent(design: &Design, kind: BodyKind) -> Extent {
     let like = |sides: [f64; 3]| {
         let longest = sides.into_iter().fold(0.0, f64::max);
@@ -238,7 +240,7 @@ fn extent(design: &Design, kind: BodyKind) -> Extent {
     }
 }
 
-/// How the surfaces of a body from a file get their names.
+/// How the surfaces of a body from a file are named.
 fn naming(design: &Design, kind: BodyKind) -> Naming {
     let of = match kind {
         BodyKind::Workpiece => SurfaceOf::Workpiece,
@@ -305,7 +307,8 @@ fn nail_place(design: &Design) -> NailPlace {
     NailPlace {
         at: [design.nail.offset_along, design.nail.offset_across],
         top: design.workpiece.thickness,
-        length: design.nail.length,
+        entry: design.workpiece.thickness - design.workpiece.groove,
+        length: super::assembly::fastener_length(design).unwrap_or(design.nail.length),
         nose: [design.body.nose_width, design.body.nose_depth],
     }
 }
@@ -315,7 +318,7 @@ fn nail_place(design: &Design) -> NailPlace {
 /// The decay length of a dowel in wood, (4 E I/k)^(1/4), is 3.4 to 4.5 diameters for steel and a foundation modulus k
 /// of 0.3 to 0.1 kN/mm2 (beam on an elastic foundation: E. W. Kuenzi 1955, "Theoretical design of a nailed or bolted
 /// joint under lateral load", Forest Products Laboratory report 1951). Chosen: 5, so that the tail is included. The
-/// total stiffness is an input of its own; the length only decides over which depth it acts.
+/// total stiffness is a separate input; the length only sets the depth over which it acts.
 const DOWEL: f64 = 5.0;
 
 /// Joint of the board on the block, if there is a board.
@@ -347,10 +350,10 @@ pub(crate) fn block_size(design: &Design) -> [f64; 3] {
     [block.length, block.width, block.thickness]
 }
 
-/// An axis of a spring: direction, stiffness \[N/m\] and damping \[N s/m\].
+/// Direction, stiffness \[N/m\] and damping \[N s/m\] of a spring along one axis.
 type SpringAxis = ([f64; 3], f64, f64);
 
-/// The springs whose body the design has, by name, each with its axes.
+/// Springs on bodies that the design has, by name, each with its axes.
 fn springs(design: &Design) -> impl Iterator<Item = (&String, &Spring, Vec<SpringAxis>)> {
     let present = design.springs.iter().filter(|(_, spring)| design.has(spring.body));
     present.map(|(name, spring)| {
@@ -386,14 +389,14 @@ pub(crate) fn spring_supports(design: &Design) -> Vec<Support> {
     .collect()
 }
 
-/// An error of a body's stages with its place in the design, if it has one.
+/// Adds the place in the design file to an error of a body's stages, if it has one.
 pub(crate) fn located(design: &Design, error: Error) -> Error {
     match error {
-        Error::SpringOutside { spring, distance } => match design.springs.get(&spring) {
+        Error::Body(BodyError::SpringOutside { spring, distance }) => match design.springs.get(&spring) {
             Some(own) => design.refuse_spring(&spring, own, distance).into(),
-            None => Error::SpringOutside { spring, distance },
+            None => BodyError::SpringOutside { spring, distance }.into(),
         },
-        Error::SurfaceOutside { entry, distance } => match design.surfaces.get(&entry) {
+        Error::Body(BodyError::SurfaceOutside { entry, distance }) => match design.surfaces.get(&entry) {
             Some(&NamedSurface { body, x, y, z, .. }) => {
                 let problem = match distance {
                     Some(distance) => SurfaceProblem::Outside {
@@ -405,9 +408,9 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
                 };
                 design.refuse_surface(&entry, problem).into()
             }
-            None => Error::SurfaceOutside { entry, distance },
+            None => BodyError::SurfaceOutside { entry, distance }.into(),
         },
-        Error::NoCapSurface { surface, panels } => design.refuse_cap(surface, panels).into(),
+        Error::Body(BodyError::NoCapSurface { surface, panels }) => design.refuse_cap(surface, panels).into(),
         other => other,
     }
 }

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::model::supports;
 use crate::penetration::{self, PenetrationError};
 
-/// How the cycle of a design is integrated and recorded.
+/// Settings for integrating and recording the cycle of a design.
 pub fn cycle_settings(design: &Design) -> dynamics::Settings {
     let analysis = &design.analysis;
     dynamics::Settings {
@@ -23,7 +23,7 @@ pub fn cycle_settings(design: &Design) -> dynamics::Settings {
     }
 }
 
-/// The cycle's parameters of a design.
+/// Parameters of the cycle of a design.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas; [`Error::Design`] for
@@ -54,11 +54,11 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
     })
 }
 
-/// The fitted law of a design, if that is its law.
+/// The fitted penetration law of a design, if the design uses one.
 ///
 /// # Errors
-/// [`Error::Penetration`] if the file contains no law, or the nail and wood lie beyond the range of its data and it
-/// does not allow that.
+/// [`Error::Penetration`] if the file contains no law, or if the nail and wood are outside the range of its data and
+/// extrapolation is not allowed.
 pub fn fitted_law(design: &Design) -> Result<Option<FittedLaw>, Error> {
     let wood = &design.wood;
     if wood.penetration_law != ResistanceLaw::Fitted || wood.penetration_fit.is_empty() {
@@ -67,7 +67,7 @@ pub fn fitted_law(design: &Design) -> Result<Option<FittedLaw>, Error> {
     let path = Path::new(&wood.penetration_fit);
     let law = penetration::fitted(path)?;
     if !law.file().extrapolate {
-        // The speed of impact is a result of the cycle, which checks it.
+        // The cycle checks the impact speed, which is one of its results.
         let outside = law
             .placement(&conditions(design, &law, None))
             .into_iter()
@@ -88,7 +88,8 @@ pub fn fitted_law(design: &Design) -> Result<Option<FittedLaw>, Error> {
     }))
 }
 
-/// The conditions of a design's shot as those of a drive; `impact` is the speed of the rod at the nail \[m/s\].
+/// Conditions of a design's shot in the variables of the law; `impact` is the speed of the rod when it meets the nail
+/// \[m/s\].
 pub fn conditions(design: &Design, law: &FittedLaw, impact: Option<f64>) -> Conditions {
     Conditions {
         specimen: Specimen {

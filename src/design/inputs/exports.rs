@@ -9,7 +9,7 @@ use crate::report::Surroundings;
 /// Surroundings and supports of the bodies.
 ///
 /// # Errors
-/// Air that cannot be.
+/// If the state of the air is impossible.
 pub(crate) fn surroundings(design: &Design) -> Result<Surroundings, Error> {
     Ok(Surroundings {
         covered: covered_faces(design),

@@ -1,20 +1,22 @@
-//! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its
-//! volume.
+//! Inputs of the microphones: their positions, the reflecting plane, the room, and the sphere with the volume of the
+//! tool.
 
 use nailnoise_acoustics::radiation::sound::Iso3744Box;
 use nailnoise_acoustics::radiation::sound_fields::Cuts;
 use nalgebra::Point3;
 
 use super::air;
+use super::assembly::tool_volume;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports;
+use crate::stages::cycle::Engine;
 use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
 
 /// The microphones of a design.
 ///
 /// # Errors
-/// Air that cannot be.
+/// If the state of the air is impossible.
 pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
     Ok(MicrophoneArray {
         air: air(design)?,
@@ -40,14 +42,14 @@ fn ear(design: &Design) -> [f64; 3] {
     [x + acoustics.ear_along, y + acoustics.ear_across, z]
 }
 
-/// Foot of the axis of driving on the plane of the measurement surface \[m\].
+/// Point where the driving axis meets the plane of the measurement surface \[m\].
 fn foot(design: &Design) -> [f64; 3] {
     let [x, y, _] = on_axis(design, 0.0);
     [x, y, measurement_plane(design)]
 }
 
-/// Height of the device's centre, half the tool's height above the workpiece, above the plane of the measurement
-/// surface \[m\].
+/// Height of the device's centre above the plane of the measurement surface \[m\]. The centre is half the tool's height
+/// above the workpiece.
 fn centre_height(design: &Design) -> f64 {
     let [_, _, centre] = on_axis(design, 0.5 * tool_height(design));
     centre - measurement_plane(design)
@@ -67,14 +69,14 @@ pub(crate) fn room(design: &Design) -> Room {
 }
 
 /// The tool as the sphere of its volume.
-pub(crate) fn tool_sphere(design: &Design) -> ToolSphere {
+pub(crate) fn tool_sphere(design: &Design, engine: &Engine) -> ToolSphere {
     ToolSphere {
         centre: on_axis(design, 0.5 * tool_height(design)),
-        volume: design.body.volume(design.piston.bore),
+        volume: tool_volume(design, engine),
     }
 }
 
-/// Planes that show the sound field.
+/// Planes on which the sound field is shown.
 pub(crate) fn cuts(design: &Design) -> Cuts {
     Cuts {
         axis: [design.nail.offset_along, design.nail.offset_across],
@@ -83,12 +85,12 @@ pub(crate) fn cuts(design: &Design) -> Cuts {
     }
 }
 
-/// The middle of the workpiece \[m\].
+/// Centre of the workpiece \[m\].
 pub(crate) fn workpiece_centre(design: &Design) -> [f64; 3] {
     [0.0, 0.0, 0.5 * design.workpiece.thickness]
 }
 
-/// A point on the axis of driving, `height` above the workpiece \[m\].
+/// Point on the driving axis at `height` above the workpiece \[m\].
 pub(crate) fn on_axis(design: &Design, height: f64) -> [f64; 3] {
     let nail = &design.nail;
     [
@@ -115,7 +117,7 @@ mod tests {
     use super::*;
     use crate::design::SandboxPlane;
 
-    /// The areas of the specification for a device whose centre is 0.1725 m above the sand.
+    /// The specification gives these areas for a device whose centre is 0.1725 m above the sand.
     #[test]
     fn the_floor_under_the_sandbox_makes_the_measurement_surface_larger() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb-as-tested-sandbox.toml");

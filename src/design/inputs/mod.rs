@@ -1,4 +1,4 @@
-//! The inputs of the stages, made from a design: the only place where a stage's fields and the design file meet.
+//! Inputs of the stages. Only this module translates the design file into the fields of the stages.
 
 use nailnoise_acoustics::Air;
 
@@ -12,21 +12,21 @@ pub(crate) mod exports;
 pub(crate) mod microphones;
 pub(crate) mod notes;
 pub(crate) mod radiation;
+pub(crate) mod reference_structures;
 pub(crate) mod response;
 pub(crate) mod sensors;
-pub(crate) mod shape;
 
-/// The ambient air of a design: one gas for cycle, jets, muffler and radiation.
+/// The ambient air of a design: the same gas for cycle, jets, muffler and radiation.
 ///
 /// # Errors
-/// Air that cannot be.
+/// If the state of the air is impossible.
 pub(crate) fn air(design: &Design) -> Result<Air, Error> {
     let ambient = &design.ambient;
     let air = Air::at(ambient.temperature, ambient.pressure)?;
     Ok(air.of_gas(ambient.gas_constant, ambient.heat_capacity_ratio)?)
 }
 
-/// An error of a stage with its place in the design file, if it has one.
+/// Adds the place in the design file to an error of a stage, if it has one.
 pub fn located(design: &Design, error: Error) -> Error {
     match error {
         Error::Unusable { body, problems } => Error::Unusable {

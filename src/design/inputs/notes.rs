@@ -1,14 +1,14 @@
-//! Inputs of the notes: the fitted law, and values outside their ranges, in words.
+//! Inputs of the notes: a sentence for the fitted law, and one for each value outside its range.
 
-use nailnoise_dynamics::CycleRecord;
 use nailnoise_penetration::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
 use super::radiation::cap;
 use crate::design::{Convention, Design, VentSource, Warning};
 use crate::error::Error;
+use crate::stages::cycle::{ShotRecord, SummaryFigures};
 
-/// Parts that count to another source by the convention of wrapping; none by the physical one.
+/// Parts that the wrapping convention assigns to another source; `None` for the physical convention.
 pub(crate) fn convention(design: &Design) -> Option<String> {
     let own = &design.sources;
     if own.convention == Convention::Physical {
@@ -32,12 +32,30 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
     ))
 }
 
+/// How the shot of an assembly ended.
+pub(crate) fn outcome_of_assembly(shot: &ShotRecord) -> String {
+    let figures = |end: &str| match &shot.figures {
+        SummaryFigures::Keys(_) => Vec::new(),
+        SummaryFigures::Assembly(figures) => {
+            let named = figures
+                .iter()
+                .filter_map(|(name, value)| Some((name.strip_suffix(end)?, *value)));
+            named.map(|(name, value)| (name.replace('_', " "), value)).collect()
+        }
+    };
+    let depths = figures("_depth")
+        .into_iter()
+        .map(|(name, depth)| format!("; {name} {:.1} mm deep", 1e3 * depth));
+    let depths: String = depths.collect();
+    format!("outcome of the assembly: {}{depths}", shot.outcome.replace('_', " "))
+}
+
 /// Values outside the ranges that the design gives.
 pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
 }
 
-/// Bands that lack the exhaust because it is computed up to a lower frequency than the levels.
+/// Bands without exhaust noise, which is computed up to a lower frequency than the levels.
 pub(crate) fn exhaust_max_frequency(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::ExhaustTop { .. }))
 }
@@ -47,15 +65,15 @@ fn warnings_in_words(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> V
     warnings.map(ToString::to_string).collect()
 }
 
-/// Place of the shot in the range of the data of a fitted penetration law; nothing with another law.
+/// Position of the shot within the data range of a fitted penetration law; empty for other laws.
 ///
 /// # Errors
 /// As [`law_of`].
-pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<String>, Error> {
+pub(crate) fn fitted_law(design: &Design, shot: &ShotRecord) -> Result<Vec<String>, Error> {
     let Some(law) = law_of(design)? else {
         return Ok(Vec::new());
     };
-    let impact = record.summary.speed_before_impact.filter(|_| law.dynamic());
+    let impact = shot.figures.get("speed_before_impact").filter(|_| law.dynamic());
     let places = law.placement(&conditions(design, &law, impact));
     let place = |place: &Placement| {
         let [low, high] = place.range;

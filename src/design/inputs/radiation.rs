@@ -1,4 +1,4 @@
-//! Inputs of the radiation of workpiece and tool: surroundings, microphones, resolution, sand.
+//! Inputs of the radiation of workpiece and tool: surroundings, microphones, resolution and sand.
 
 use nailnoise_acoustics::bem::{EquationSolver, SolidBox};
 use nailnoise_acoustics::radiation::radiator::Loading;
@@ -23,7 +23,7 @@ pub(crate) fn loading(design: &Design) -> Loading {
     }
 }
 
-/// How the radiation of the workpiece with its support is computed.
+/// Settings for the radiation of the workpiece with its support.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
@@ -35,7 +35,7 @@ pub(crate) fn workpiece(design: &Design) -> Result<WorkpieceRadiation, Error> {
     })
 }
 
-/// The faces of workpiece and support from which no sound leaves.
+/// Faces of workpiece and support that do not radiate.
 pub(crate) fn covered_faces(design: &Design) -> CoveredFaces {
     CoveredFaces {
         workpiece: supports::of(design).open_faces(),
@@ -43,7 +43,7 @@ pub(crate) fn covered_faces(design: &Design) -> CoveredFaces {
     }
 }
 
-/// Boundary elements of the workpiece, and of a table below it.
+/// Boundary-element settings of the workpiece and of a table below it.
 pub(crate) fn workpiece_boundary_elements(design: &Design) -> WorkpieceBoundaryElements {
     let support = supports::of(design);
     let below = support.boxes();
@@ -68,7 +68,7 @@ pub(crate) fn workpiece_places(design: &Design) -> Places {
     Places::new(positions(design).into_iter(), image_in, support.sound_centre())
 }
 
-/// Boundary elements of the tool's body; none if the design does not request them.
+/// Boundary-element settings of the tool body; `None` if the design does not request boundary elements.
 pub(crate) fn tool(design: &Design) -> Option<ToolRadiation> {
     if design.acoustics.body_method == RadiationMethod::Erp {
         return None;
@@ -92,14 +92,14 @@ fn plane_below_nose(design: &Design) -> f64 {
     reflecting_plane(design) - design.workpiece.thickness
 }
 
-/// That height if the plane is part of the tool's equations.
+/// This height if the plane is included in the equations of the tool.
 fn tool_floor(design: &Design) -> Option<f64> {
     let plane = plane_below_nose(design);
     (-plane < tool_height(design)).then_some(plane)
 }
 
-/// The outer side of the tool's cap, if it counts to another source than the rest of the body; none if the body's
-/// radiation has no surface, such as that of a rigid body or a sphere.
+/// The outer side of the tool's cap, if it is assigned to another source than the rest of the body. `None` if the
+/// body's radiation has no surface, as for a rigid body or a sphere.
 pub(crate) fn cap(design: &Design) -> Option<CapSurface> {
     let body = &design.body;
     let by_surface = body.model == BodyModel::Elastic && design.acoustics.body_method == RadiationMethod::Bem;
@@ -122,7 +122,7 @@ pub(crate) fn nose(design: &Design) -> Vector3<f64> {
     Vector3::new(nail.offset_along, nail.offset_across, design.workpiece.thickness)
 }
 
-/// The block's top, if it is flush with sand.
+/// The top of the block, if it is flush with the sand.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.

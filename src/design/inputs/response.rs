@@ -2,25 +2,26 @@
 
 use nailnoise_fem::vibration::Support;
 
+use super::assembly::{body, tool_mass};
 use super::bodies;
-use super::cycle::parameters;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports::{self, Contact};
-use crate::stages::response::ShotInputs;
-use crate::stages::tool_response::ToolShot;
+use crate::stages::cycle::{Engine, WORKPIECE};
+use crate::stages::response::{DrivenFastener, FastenerLaw, ShotInputs};
+use crate::stages::tool_response::{HousingContact, ToolShot};
 
-/// Inputs of the response of workpiece and support, except the bodies and the cycle.
+/// Inputs of the response of workpiece and support, without the bodies and the cycle.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
-pub(crate) fn shot(design: &Design) -> Result<ShotInputs, Error> {
+pub(crate) fn shot(design: &Design, engine: &Engine) -> Result<ShotInputs, Error> {
     let added_sand = supports::of(design).added_sand()?;
     let added_sand = added_sand.map(|sand| (sand.mass, supports::underside(design)));
     Ok(ShotInputs {
         added_sand,
-        parameters: parameters(design)?,
-        friction_share: design.wood.friction_share,
+        gravity: engine.gravity(),
+        fastener: fastener(design, engine),
         supports: springs(design)?,
         step: design.analysis.time_step,
         duration: design.analysis.duration,
@@ -28,8 +29,8 @@ pub(crate) fn shot(design: &Design) -> Result<ShotInputs, Error> {
     })
 }
 
-/// Springs and dashpots of the contact cells between the workpiece and its support, of the sand at its sides, those of
-/// the user to the ground, and those of the joint of two pieces.
+/// Springs and dashpots of the contact cells between workpiece and support, of the sand at the sides, of the user's
+/// supports to the ground, and of the joint of two pieces.
 fn springs(design: &Design) -> Result<Vec<Support>, Error> {
     let support = supports::of(design);
     let mut springs: Vec<Support> = support.contacts()?.iter().flat_map(Contact::springs).collect();
@@ -39,14 +40,45 @@ fn springs(design: &Design) -> Result<Vec<Support>, Error> {
     Ok(springs)
 }
 
+/// The fastener in the workpiece; none for a tool that drives none.
+fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
+    let law = match engine {
+        Engine::Keys(cycle) => FastenerLaw::Nail(Box::new(cycle.parameters.clone())),
+        Engine::Assembly(cycle) => {
+            let workpiece = body(&cycle.assembly, WORKPIECE)?;
+            let mut fasteners = cycle.assembly.fasteners.iter();
+            FastenerLaw::Fastener(fasteners.find(|own| own.into == workpiece)?.clone())
+        }
+    };
+    Some(DrivenFastener {
+        law,
+        friction_share: design.wood.friction_share,
+    })
+}
+
 /// Inputs of the response of the tool, except its body and the cycle.
-///
-/// # Errors
-/// As [`parameters`].
-pub(crate) fn tool(design: &Design) -> Result<ToolShot, Error> {
-    Ok(ToolShot {
-        parameters: parameters(design)?,
+pub(crate) fn tool(design: &Design, engine: &Engine) -> ToolShot {
+    let contacts = match engine {
+        Engine::Keys(cycle) => {
+            let contacts = &cycle.parameters.contacts;
+            [
+                ("cap", "cap", contacts.cap_stiffness),
+                ("rim", "cylinder's rim", contacts.seat_stiffness),
+            ]
+            .map(|(surface, place, stiffness)| HousingContact {
+                surface,
+                place,
+                stiffness,
+            })
+            .to_vec()
+        }
+        Engine::Assembly(_) => Vec::new(),
+    };
+    ToolShot {
+        gravity: engine.gravity(),
+        mass: tool_mass(engine),
+        contacts,
         step: design.analysis.time_step,
         duration: design.analysis.duration,
-    })
+    }
 }

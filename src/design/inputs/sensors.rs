@@ -1,4 +1,4 @@
-//! Accelerometers of a design, and their points on its bodies; pressure transducers in its chambers.
+//! Accelerometers of a design with their points on its bodies, and pressure transducers in its chambers.
 
 use nailnoise_acoustics::radiation::flush::MovingSand;
 use nalgebra::Vector3;
@@ -6,14 +6,15 @@ use nalgebra::Vector3;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, Transducer};
 use crate::error::Error;
 use crate::model::supports;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::SensorPoint;
 use crate::stages::sensors::Accelerometer;
 use crate::stages::transducers::PressureTransducer;
 
-/// The sensors whose body the design has, by name.
+/// The sensors on bodies that the design has, by name.
 ///
 /// # Errors
-/// [`Error::Sand`] for sand that is outside the range of its formulas.
+/// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
 pub(crate) fn accelerometers(design: &Design) -> Result<Vec<Accelerometer>, Error> {
     let sand = supports::of(design).moving_sand()?;
     let accelerometer = |(name, sensor): (&String, &Sensor)| {
@@ -44,10 +45,10 @@ pub(crate) fn transducers(design: &Design) -> Vec<PressureTransducer> {
     design.transducers.iter().map(transducer).collect()
 }
 
-/// Points of the sensors that measure a body: those on the sand measure the edge of the workpiece.
+/// Points of the sensors that measure the motion of a body; sensors on the sand measure the edge of the workpiece.
 ///
 /// # Errors
-/// [`Problem::Sensor`](crate::design::Problem::Sensor) for a sensor that is not on the sand.
+/// [`Problem::Sensor`](crate::design::Problem::Sensor) for a sensor on the sand whose point is not on it.
 pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>, Error> {
     let sand = supports::of(design).moving_sand()?;
     let mut points = Vec::new();
@@ -73,18 +74,18 @@ pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>,
     Ok(points)
 }
 
-/// An error with the place in the design file of the sensor that is at fault.
+/// Adds to an error the place in the design file of the sensor that caused it.
 pub(crate) fn located(design: &Design, error: Error) -> Error {
     match error {
-        Error::SensorOffBody { sensor, body, distance } => match design.sensors.get(&sensor) {
+        Error::Body(BodyError::SensorOffBody { sensor, body, distance }) => match design.sensors.get(&sensor) {
             Some(found) => outside(design, &sensor, found, body, distance),
-            None => Error::SensorOffBody { sensor, body, distance },
+            None => BodyError::SensorOffBody { sensor, body, distance }.into(),
         },
         other => other,
     }
 }
 
-/// Names of the sensors whose body is not in the design.
+/// Names of the sensors on bodies that the design lacks.
 pub(crate) fn without_body(design: &Design) -> Vec<&str> {
     let absent = design
         .sensors
@@ -93,7 +94,7 @@ pub(crate) fn without_body(design: &Design) -> Vec<&str> {
     absent.map(|(name, _)| name.as_str()).collect()
 }
 
-/// Names of the sensors whose band ends with the modes of their body, and where \[Hz\].
+/// Names of the sensors whose band is limited by the modes of their body, and that limit \[Hz\].
 pub(crate) fn limited(design: &Design) -> Vec<(&str, f64)> {
     let limited = present(design).filter_map(|(name, sensor)| {
         let top_hz = top_hz(design, sensor.body)?;
@@ -102,7 +103,7 @@ pub(crate) fn limited(design: &Design) -> Vec<(&str, f64)> {
     limited.collect()
 }
 
-/// The sensors whose body the design has, by name.
+/// The sensors on bodies that the design has, by name.
 fn present(design: &Design) -> impl Iterator<Item = (&String, &Sensor)> {
     design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body))
 }
@@ -114,8 +115,8 @@ fn carries(design: &Design, body: Carrier) -> bool {
     }
 }
 
-/// Top frequency of the modes of a body \[Hz\], above which they and their static corrections are not its motion; none
-/// for a rigid tool.
+/// Top frequency of the modes of a body \[Hz\], above which modes and static corrections no longer describe its motion;
+/// `None` for a rigid tool.
 fn top_hz(design: &Design, body: Carrier) -> Option<f64> {
     let analysis = &design.analysis;
     match body {
@@ -135,7 +136,7 @@ fn outside(design: &Design, name: &str, sensor: &Sensor, body: &'static str, dis
     design.refuse_sensor(name, problem).into()
 }
 
-/// Distance of a point from the sand around the workpiece, 0 on it \[m\].
+/// Distance of a point from the sand around the workpiece \[m\]; 0 if it is on the sand.
 fn off_the_sand(law: &MovingSand, point: [f64; 2]) -> f64 {
     let beyond = |i: usize| (law.sand[i][0] - point[i]).max(point[i] - law.sand[i][1]).max(0.0);
     let box_gap = beyond(0).hypot(beyond(1));
@@ -153,6 +154,7 @@ mod tests {
             footprint: [[-0.2, 0.2], [-0.1, 0.1]],
             sand: [[-0.3, 0.3], [-0.3, 0.3]],
             shear_speed: 112.0,
+            poisson_ratio: 0.3,
             loss_factor: 0.1,
             to_hz: 800.0,
         };

@@ -8,6 +8,7 @@ use crate::measurement::wrapping::Role;
 use crate::result::Starts;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::Engine;
 use crate::stages::notes::SourceNotes;
 use crate::stages::response::ResponseChecks;
 use crate::stages::sources::{AnalysedSource, SourceSound};
@@ -41,6 +42,9 @@ pub(crate) trait Source: Sync {
     fn chart_of_parts(&self) -> Option<&'static str> {
         None
     }
+
+    /// Whether a tool with this engine has it.
+    fn is_present(&self, engine: &Engine) -> bool;
 
     /// Adds its stages to those of a shot.
     ///

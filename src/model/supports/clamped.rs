@@ -12,7 +12,7 @@ use crate::error::Error;
 pub(super) struct Clamped<'a>(pub(super) &'a Values);
 
 impl Support for Clamped<'_> {
-    /// A block clamped at its foot is the spring k_ws = E A/L itself.
+    /// A block clamped at its base is the spring k_ws = E A/L itself.
     fn lumped(&self) -> Result<dynamics::Support, Error> {
         let table = &self.0.support.worktable;
         Ok(dynamics::Support {

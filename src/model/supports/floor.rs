@@ -7,7 +7,7 @@ use crate::design::Values;
 use crate::drawing::{Material, Part, View, rectangle};
 use crate::error::Error;
 
-/// How far a drawn floor extends beyond what stands on it \[m\].
+/// Distance by which a drawn floor extends beyond the object on it \[m\].
 const BEYOND: f64 = 0.08;
 
 /// A workpiece on a rigid floor.
@@ -45,7 +45,7 @@ impl Support for OnFloor<'_> {
     }
 }
 
-/// The ends of a drawn floor under something of this half length \[m\].
+/// Ends of a drawn floor under an object of this half-length \[m\].
 pub(super) fn beyond(half: f64) -> [f64; 2] {
     [-half - BEYOND, half + BEYOND]
 }

@@ -1,9 +1,9 @@
 //! Supports of the workpiece, one file each.
 //!
-//! A [`Support`] knows all that follows from what the workpiece stands on: its spring in the nailing cycle, its
-//! finite-element bodies and contacts, the faces that it covers and the plane that reflects, the sensors that it can
-//! carry, its words and its drawing. Nothing else in the program distinguishes the kinds of supports. A new one is a
-//! file here, its line in [`of`], and its keys in the design.
+//! A [`Support`] provides all that depends on the support: its spring in the nailing cycle, its finite-element bodies
+//! and contacts, the faces that it covers, the reflecting plane, the sensors that it can carry, its description and its
+//! drawing. Nothing else in the program distinguishes the kinds of support. A new one needs a file here, a line in
+//! [`of`], and its keys in the design.
 
 mod clamped;
 mod floor;
@@ -64,7 +64,7 @@ mod tests {
         }
     }
 
-    /// The foundation stiffness of a base is its bedding times its area.
+    /// The foundation stiffness of a base is its foundation modulus times its area.
     #[test]
     fn a_rigid_workpiece_on_its_contact_cells_is_the_lumped_spring() {
         let mut compared = 0;

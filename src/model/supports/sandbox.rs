@@ -1,4 +1,4 @@
-//! The sandbox of EN 12549, with whose sand the workpiece's top is flush.
+//! The sandbox of EN 12549; the top of the workpiece is flush with its sand.
 
 use nailnoise_acoustics::radiation::flush::{AbsorbingSand, MovingSand};
 use nailnoise_dynamics as dynamics;
@@ -30,8 +30,8 @@ impl InSandbox<'_> {
         Ok(RectangularBase::new(block.length, block.width)?)
     }
 
-    /// Conflict unless the microphones half way up are above the sand: they are at half of 1 m more than the height of
-    /// the tool's middle above the floor.
+    /// Conflict unless the microphones at mid-height are above the sand: their height above the floor is half the sum
+    /// of 1 m and the height of the tool's centre.
     fn microphones_above_sand(&self) -> Result<(), Conflict> {
         let (sand, body) = (&self.0.support.sand, &self.0.body);
         let centre = 0.5 * (body.nose_height + body.barrel_height + body.cap_height);
@@ -85,7 +85,7 @@ impl Support for InSandbox<'_> {
         Ok(Some(SideContact { cells, springs }))
     }
 
-    /// Its mass is a part of rho r_0 A.
+    /// Its mass is a fraction of rho r_0 A.
     fn added_sand(&self) -> Result<Option<AddedSand>, Error> {
         let (block, sand, base) = (&self.0.workpiece, &self.0.support.sand, self.base()?);
         Ok(Some(AddedSand {
@@ -129,6 +129,7 @@ impl Support for InSandbox<'_> {
             footprint: [around(block.length), around(block.width)],
             sand: [around(sand.box_length), around(sand.box_width)],
             shear_speed: self.half_space()?.shear_speed(),
+            poisson_ratio: sand.poisson_ratio,
             loss_factor: sand.loss_factor,
             to_hz: sand.moving_surface_max_frequency,
         }))

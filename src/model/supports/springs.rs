@@ -1,4 +1,4 @@
-//! The user's springs, `springs.NAME`, on which alone the workpiece stands or hangs above a floor.
+//! The user's springs, `springs.NAME`, as the only support of a workpiece that stands or hangs above a floor.
 
 use nailnoise_dynamics as dynamics;
 

@@ -1,4 +1,4 @@
-//! What a support of the workpiece answers for, and the parts of its answers.
+//! The interface of a support of the workpiece, and the types it returns.
 
 use nailnoise_acoustics::bem::SolidBox;
 use nailnoise_acoustics::radiation::flush::{AbsorbingSand, MovingSand};
@@ -15,20 +15,20 @@ use crate::measurement::manifest::Setup;
 use crate::stages::bodies::{AddedSand, BodyKind, ContactCells, MeshSource, SideSand};
 use crate::stages::radiation::OpenFaces;
 
-/// Farthest floor below a workpiece that is part of its boundary elements \[m\]. The floor at the height h changes the
-/// power by about sin(2 k h)/(2 k h), a ripple every c/2h. At twice the height it requires twice as many frequencies,
-/// and it cancels in every wider band. The reflection of a farther floor at a microphone is the sound at the
-/// microphone's image.
+/// Maximum distance below the workpiece at which a floor is included in its boundary elements \[m\]. The floor at the
+/// distance h changes the power by about sin(2 k h)/(2 k h), a ripple with period c/2h. At twice the distance, it
+/// requires twice as many frequencies, and it averages out in every wider band. The reflection from a more distant
+/// floor at a microphone is the sound at the microphone's image.
 pub(crate) const FARTHEST_FLOOR: f64 = 1.0;
 
 /// The support of a design's workpiece. Heights are above the workpiece's underside \[m\].
 pub(crate) trait Support {
-    /// The first conflict between its quantities, and with those of workpiece and tool.
+    /// The first conflict between its quantities, or between these and those of workpiece and tool.
     fn check(&self) -> Result<(), Conflict> {
         Ok(())
     }
 
-    /// Its spring and dashpot under the lumped workpiece of the nailing cycle.
+    /// Its spring and dashpot for the lumped workpiece of the nailing cycle.
     ///
     /// # Errors
     /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
@@ -39,15 +39,15 @@ pub(crate) trait Support {
         &[]
     }
 
-    /// Mesh and materials of its body under the workpiece.
+    /// Mesh and materials of its body below the workpiece.
     ///
     /// # Errors
-    /// Those of materials.
+    /// The errors of the materials.
     fn table(&self) -> Result<Option<Table>, Error> {
         Ok(None)
     }
 
-    /// The face group of the workpiece whose nodes it fixes.
+    /// The face group of the workpiece whose nodes are fixed.
     fn fixed(&self) -> Option<&'static str> {
         None
     }
@@ -55,7 +55,7 @@ pub(crate) trait Support {
     /// Contacts of the workpiece's underside with it.
     ///
     /// # Errors
-    /// As [`lumped`](Self::lumped).
+    /// Same as [`lumped`](Self::lumped).
     fn contacts(&self) -> Result<Vec<Contact>, Error> {
         Ok(Vec::new())
     }
@@ -63,20 +63,20 @@ pub(crate) trait Support {
     /// Its contact with the workpiece's sides.
     ///
     /// # Errors
-    /// As [`lumped`](Self::lumped).
+    /// Same as [`lumped`](Self::lumped).
     fn sides(&self) -> Result<Option<SideContact>, Error> {
         Ok(None)
     }
 
-    /// Sand that moves with the workpiece's base.
+    /// Sand that moves with the base of the workpiece.
     ///
     /// # Errors
-    /// Those of the base's dimensions.
+    /// The errors of the base's dimensions.
     fn added_sand(&self) -> Result<Option<AddedSand>, Error> {
         Ok(None)
     }
 
-    /// Height of the plane that reflects sound \[m\].
+    /// Height of the reflecting plane \[m\].
     fn reflecting_plane(&self) -> f64;
 
     /// Height of the plane on which the measurement surface of ISO 3744 stands \[m\].
@@ -84,12 +84,12 @@ pub(crate) trait Support {
         self.reflecting_plane()
     }
 
-    /// Height of the rigid floor if it is part of the workpiece's boundary elements \[m\].
+    /// Height of the rigid floor \[m\], if it is included in the workpiece's boundary elements.
     fn floor(&self) -> Option<f64> {
         Some(self.reflecting_plane())
     }
 
-    /// Height of the middle of the workpiece's sound field, from which distances to microphones are measured \[m\].
+    /// Height of the centre of the workpiece's sound field, from which distances to microphones are measured \[m\].
     fn sound_centre(&self) -> f64 {
         0.0
     }
@@ -99,38 +99,39 @@ pub(crate) trait Support {
         OpenFaces::AboveUnderside
     }
 
-    /// The sand with which the workpiece's top is flush; none without [`OpenFaces::FlushTop`].
+    /// The sand with which the top of the workpiece is flush; `None` without [`OpenFaces::FlushTop`].
     ///
     /// # Errors
-    /// As [`lumped`](Self::lumped).
+    /// Same as [`lumped`](Self::lumped).
     fn flush_sand(&self) -> Result<Option<FlushSand>, Error> {
         Ok(None)
     }
 
-    /// The motion of the sand that sensors can lie on; none without [`Carrier::Sand`].
+    /// The motion of the sand on which sensors can lie; `None` without [`Carrier::Sand`].
     ///
     /// # Errors
-    /// As [`lumped`](Self::lumped).
+    /// Same as [`lumped`](Self::lumped).
     fn moving_sand(&self) -> Result<Option<MovingSand>, Error> {
         Ok(None)
     }
 
-    /// Boxes that radiate together with the workpiece: parts 1, the top, and 2, the legs.
+    /// Boxes that radiate together with the workpiece: part 1 is the top, part 2 the legs.
     fn boxes(&self) -> Vec<SolidBox> {
         Vec::new()
     }
 
-    /// About the area of its radiating surface, for the cost of boundary elements \[m2\].
+    /// Approximate area of its radiating surface \[m2\], for the cost of boundary elements.
     fn radiating_area(&self) -> f64 {
         0.0
     }
 
-    /// What sensors can be fixed to, in addition to workpiece and tool.
+    /// Carriers of sensors in addition to workpiece and tool.
     fn carriers(&self) -> &'static [Carrier] {
         &[]
     }
 
-    /// The setup of a wrapping test of EN 12549 that it is; none for a support that the standard does not have.
+    /// The setup of a wrapping test in EN 12549 that corresponds to it; `None` for a support that the standard does not
+    /// have.
     fn test_setup(&self) -> Option<Setup> {
         None
     }
@@ -138,18 +139,18 @@ pub(crate) trait Support {
     /// Its name in the head of the report.
     fn name(&self) -> String;
 
-    /// The workpiece on it, in the words of a note.
+    /// The workpiece on this support, worded for a note.
     fn in_words(&self) -> String;
 
     /// Adds its parts and dimensions to a view along the workpiece's width.
     fn draw(&self, view: &mut View);
 }
 
-/// A body under the workpiece as finite elements.
+/// A body below the workpiece, as finite elements.
 pub(crate) struct Table {
-    /// Materials by the name of the part; the first also for a mesh of only one part.
+    /// Materials by the name of the part; the first is also used for a mesh with only one part.
     pub(crate) materials: Vec<(&'static str, Material)>,
-    /// The mesh of its dimensions.
+    /// The mesh for its dimensions.
     pub(crate) built_in: MeshSource,
     /// Loss factor of its modes \[-\].
     pub(crate) loss_factor: f64,
@@ -165,12 +166,12 @@ pub(crate) struct Contact {
     pub(crate) stiffness: f64,
     /// Damping per area \[N s/m3\].
     pub(crate) damping: f64,
-    /// Whether it can open.
+    /// Whether the contact can open.
     pub(crate) law: SupportLaw,
 }
 
 impl Contact {
-    /// Contact of the whole underside by the keys of `support.contact`.
+    /// Contact of the complete underside, from the keys of `support.contact`.
     pub(super) fn of_underside(values: &Values) -> Self {
         let contact = &values.support.contact;
         Self {
@@ -181,7 +182,7 @@ impl Contact {
         }
     }
 
-    /// Springs and dashpots of its cells.
+    /// Springs and dashpots of the cells.
     pub(crate) fn springs(&self) -> Vec<Spring> {
         let spring = |&area: &f64| Spring {
             stiffness: self.stiffness * area,
@@ -205,11 +206,11 @@ pub(crate) struct SideContact {
 pub(crate) struct FlushSand {
     /// The sand as an absorber.
     pub(crate) absorbing: AbsorbingSand,
-    /// The motion of its surface with the workpiece, if it radiates.
+    /// The motion of its surface with the workpiece, if that radiates.
     pub(crate) moving: Option<MovingSand>,
 }
 
-/// Cells of the workpiece's whole underside.
+/// Cells of the complete underside of the workpiece.
 pub(crate) fn underside(values: &Values) -> ContactCells {
     let (block, contact) = (&values.workpiece, &values.support.contact);
     ContactCells {
@@ -219,7 +220,7 @@ pub(crate) fn underside(values: &Values) -> ContactCells {
     }
 }
 
-/// Law of a contact that is bonded, or can open.
+/// Law of a contact that is bonded or can open.
 pub(super) fn law(bonded: bool) -> SupportLaw {
     if bonded {
         SupportLaw::Bonded
@@ -228,7 +229,7 @@ pub(super) fn law(bonded: bool) -> SupportLaw {
     }
 }
 
-/// Conflict unless the springs of the user carry a body, which the key says rests on them alone.
+/// Conflict unless the user's springs carry a body that, according to the key, rests on them alone.
 pub(super) fn carried(values: &Values, body: Sprung, key: &'static str) -> Result<(), Conflict> {
     let [stiffness, _] = values.sprung(body);
     refuse(stiffness == 0.0, Conflict::NotCarried { body, key })

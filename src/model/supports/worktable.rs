@@ -1,4 +1,4 @@
-//! A worktable, on which the workpiece lies: a top on four legs, clamped at the floor or on the user's springs.
+//! A worktable on which the workpiece lies: a top on four legs, clamped at the floor or on the user's springs.
 
 use nailnoise_acoustics::bem::SolidBox;
 use nailnoise_dynamics as dynamics;
@@ -19,7 +19,7 @@ use crate::stages::bodies::{BodyKind, MeshSource};
 pub(super) struct OnWorktable<'a>(pub(super) &'a Values);
 
 impl OnWorktable<'_> {
-    /// Wall of the legs \[m\]; none for solid legs.
+    /// Wall thickness of the legs \[m\]; `None` for solid legs.
     fn tube_wall(&self) -> Option<f64> {
         let wall = self.0.support.worktable.leg_wall;
         (wall > 0.0).then_some(wall)

@@ -7,7 +7,7 @@ use crate::drawing;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Additions to charts, scene, sounds and drawing for readers whose browser runs scripts.
+/// Additions to charts, scene, sounds and drawing for browsers that run scripts.
 const SCRIPTS: [&str; 4] = [
     include_str!("charts.js"),
     include_str!("scene.js"),
@@ -20,9 +20,9 @@ pub(super) struct Section {
     id: &'static str,
     title: &'static str,
     content: Markup,
-    /// Whether it begins a page in print.
+    /// Whether it starts a new page in print.
     page: bool,
-    /// Whether it follows the summary in print.
+    /// Whether it is placed after the summary in print.
     appendix: bool,
 }
 
@@ -37,12 +37,12 @@ impl Section {
         }
     }
 
-    /// The section on a separate page in print.
+    /// Places the section on a separate page in print.
     pub(super) fn on_a_page(self) -> Self {
         Self { page: true, ..self }
     }
 
-    /// The section as part of the appendix in print.
+    /// Makes the section part of the appendix in print.
     pub(super) fn in_the_appendix(self) -> Self {
         Self { appendix: true, ..self }
     }
@@ -52,22 +52,22 @@ impl Section {
 pub(super) struct Page {
     /// The title of the window.
     pub(super) title: String,
-    /// Which files a comparison is of.
+    /// Identity of the files of a comparison.
     pub(super) compared: Option<String>,
     /// The subject of the page.
     pub(super) heading: String,
-    /// Content before all sections.
+    /// Content above all sections.
     pub(super) lead: Markup,
     pub(super) sections: Vec<Section>,
 }
 
-/// Statement in the head of a page on the files that it compares.
+/// Element in the head of a page that states which files it compares.
 pub(crate) fn compared_by(identity: &str) -> Markup {
     html! { meta name="compared" content=(identity); }
 }
 
 impl Page {
-    /// The file.
+    /// The HTML file.
     pub(super) fn html(self) -> String {
         let first_of_appendix = self.sections.iter().position(|section| section.appendix);
         html! {
@@ -77,7 +77,7 @@ impl Page {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta name="generator" content={ "nailnoise " (env!("CARGO_PKG_VERSION")) };
-                    // A browser requests an icon unless it is given one.
+                    // Browsers request an icon unless the page provides one.
                     link rel="icon" href="data:,";
                     @if let Some(identity) = &self.compared { (compared_by(identity)) }
                     title { (self.title) }

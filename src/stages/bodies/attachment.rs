@@ -10,6 +10,7 @@ use super::geometry::{AddedSand, Geometry, Properties, Remainder};
 use super::meshing::NamedMesh;
 use super::surfaces::FoundSurface;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// A meshed body with its materials, supports and attachments.
@@ -17,7 +18,7 @@ use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 pub struct Meshed {
     /// Its mesh, with the numbers of the source file.
     pub imported: Imported,
-    /// One material a part.
+    /// One material for each part.
     pub materials: Vec<Material>,
     /// Constrained degrees of freedom.
     pub constraints: Constraints,
@@ -29,14 +30,14 @@ pub struct Meshed {
     pub unplaced: Vec<(&'static str, f64)>,
 }
 
-/// Gives a mesh its materials, supports and attachments.
+/// Adds materials, supports and attachments to a mesh.
 #[derive(Serialize)]
 pub struct Attachment {
     /// The mesh.
     pub mesh: Stored<NamedMesh>,
     /// Materials and attachments of the mesh.
     pub properties: Properties,
-    /// Gap that ties bridge by design \[m\].
+    /// Gap that ties have to bridge by design \[m\].
     pub fit: f64,
 }
 
@@ -65,7 +66,7 @@ impl Geometry {
     /// Makes the mesh with its materials, supports and attachments.
     ///
     /// # Errors
-    /// Those of mesh, gmsh and parts; [`Error::TooHeavy`] for lumped masses.
+    /// Those of mesh, gmsh and parts; [`BodyError::TooHeavy`] for lumped masses.
     pub fn mesh(&self) -> Result<Meshed, Error> {
         let named = self.meshing().compute(&Progress::silent())?;
         self.properties.attached(named, self.mesh.fit())
@@ -73,7 +74,7 @@ impl Geometry {
 }
 
 impl Properties {
-    /// Adds materials, supports and attachments to a mesh; `fit` is the gap that ties bridge by design \[m\].
+    /// Adds materials, supports and attachments to a mesh; `fit` is the gap that ties have to bridge by design \[m\].
     fn attached(&self, named: NamedMesh, fit: f64) -> Result<Meshed, Error> {
         let NamedMesh { imported, surfaces } = named;
         let mesh = &imported.mesh;
@@ -116,10 +117,10 @@ pub(super) fn constraints(mesh: &Mesh, clamped: Option<&'static str>) -> Result<
 }
 
 impl Meshed {
-    /// Mass of everything, lumped masses included \[kg\].
+    /// Total mass including lumped masses \[kg\].
     ///
     /// # Errors
-    /// Those of the quadrature, never for a valid mesh.
+    /// The errors of the quadrature, which do not occur for a valid mesh.
     pub fn mass(&self) -> Result<f64, MeshError> {
         let lumped: f64 = self.attachments.masses.iter().map(|mass| mass.mass).sum();
         Ok(meshed_mass(&self.imported.mesh, &self.materials)? + lumped)
@@ -134,7 +135,7 @@ fn meshed_mass(mesh: &Mesh, materials: &[Material]) -> Result<f64, MeshError> {
 }
 
 /// Interfaces between bodies that are meshed separately: the nodes of every group `NAME_slave` follow the faces of
-/// `NAME_master`, across a gap of `fit` \[m\] and the chords of both meshes.
+/// `NAME_master`, across a gap of `fit` \[m\] and the deviation of both meshes from curved surfaces.
 pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     let longest = mesh.longest_edges().into_iter().fold(0.0, f64::max);
     let of_group = |group: &nailnoise_meshes::FaceGroup| {
@@ -148,12 +149,12 @@ pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     mesh.groups.iter().filter_map(of_group).collect()
 }
 
-/// Largest gap of a tied interface as a share of the longest element side: the chords of two curved meshes may be this
-/// far from each other.
+/// Largest gap of a tied interface as a fraction of the longest element side; two meshes of a curved surface may be
+/// this far apart.
 const TIED_WITHIN: f64 = 0.1;
 
 impl AddedSand {
-    /// The face group that it moves with.
+    /// The face group with which it moves.
     pub(super) const GROUP: &'static str = "bottom";
 
     fn lumped(self) -> LumpedMass {
@@ -174,10 +175,11 @@ impl Remainder {
         let meshed = meshed_mass(mesh, materials)?;
         let rest = self.total - meshed;
         if rest < 0.0 {
-            return Err(Error::TooHeavy {
+            return Err(BodyError::TooHeavy {
                 meshed,
                 tool: self.total,
-            });
+            }
+            .into());
         }
         let masses = self.shares.iter().map(|&(group, share, _)| (group, share * rest));
         Ok(masses.filter(|(_, mass)| *mass > 0.0).collect())

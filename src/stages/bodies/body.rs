@@ -1,4 +1,4 @@
-//! A body in modal coordinates: all that a shot reads of it.
+//! A body in modal coordinates, with all the data that a shot needs.
 
 use nailnoise_fem::vibration::supports::ContactGrid;
 use nailnoise_fem::{LoadVector, ModalBasis, ShortestWave, wall_thicknesses};
@@ -13,12 +13,13 @@ use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, HasMatrix, Progress, Stage, Stored, WithMatrix, code, matrix};
 
 /// Reduces the finite elements of a body to its modes.
 #[derive(Serialize)]
 pub struct ModalModel {
-    /// Which body it is.
+    /// The body.
     pub kind: BodyKind,
     /// Its finite elements.
     pub model: Stored<Model>,
@@ -26,23 +27,24 @@ pub struct ModalModel {
     pub modes: Stored<WholeModes>,
     /// Frequency up to which the result includes its motion \[Hz\].
     pub top_hz: f64,
-    /// Frequency below which its modes are complete \[Hz\].
+    /// Frequency below which the set of modes is complete \[Hz\].
     pub below_hz: f64,
 }
 
-/// Fewest sides of quadratic elements in the shortest wave, below which frequencies and levels near the top are off.
+/// Minimum number of sides of quadratic elements per shortest wavelength; with fewer, frequencies and levels near the
+/// top are inaccurate.
 pub const SIDES_PER_WAVE: f64 = 2.0;
 
-/// Least ratio of the frequency below which modes are complete to the top frequency of the result: modes just above the
-/// top take part in the motion below it.
+/// Minimum ratio of the frequency below which modes are complete to the top frequency of the result; modes just above
+/// the top contribute to the motion below it.
 const MODE_MARGIN: f64 = 1.05;
 
-/// How finely elements and modes resolve the motion of a body up to its top frequency.
+/// Resolution of a body's motion up to its top frequency by elements and modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
-    /// Longest element side in terms of the shortest wave along it at the top frequency \[-\], part by part.
+    /// Longest element side relative to the shortest wavelength along it at the top frequency \[-\], for each part.
     pub sides: Vec<(String, f64)>,
-    /// Top frequency over the frequency below which modes are complete \[-\].
+    /// Ratio of the top frequency to the frequency below which modes are complete \[-\].
     pub top_over_modes: f64,
 }
 
@@ -88,15 +90,15 @@ pub struct Body {
     pub surface: Surface,
     /// Resolution of its elements and modes.
     pub resolution: Resolution,
-    /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both.
+    /// Its modes, verified to be complete up to their top frequency, and static corrections; "modes" means both below.
     pub basis: ModalBasis<()>,
     /// Displacement of the surface's points, x, y and z of each, in each mode: 3 points x modes \[kg^-1/2\]. In single
-    /// precision, as radiation matrices and pictures are.
+    /// precision, like radiation matrices and pictures.
     #[serde(skip)]
     pub skin: DMatrix<f32>,
-    /// Angular frequencies of the modes \[rad/s\]; 0 for rigid ones.
+    /// Angular frequencies of the modes \[rad/s\]; 0 for rigid-body modes.
     pub omega: Vec<f64>,
-    /// Modal momentum of the body as it rises at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
+    /// Modal momentum of the body moving upwards at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
     #[serde(with = "matrix")]
     pub lift: DVector<f64>,
     /// Generalised displacement of each load, downwards positive: modes x loads.
@@ -191,7 +193,7 @@ fn skin(surface: &Surface, shapes: &DMatrix<f64>) -> DMatrix<f32> {
     })
 }
 
-/// Displacement that load vectors read in each mode: modes x load vectors.
+/// Displacement in each mode that load vectors measure: modes x load vectors.
 pub(super) fn participation(vectors: &[LoadVector], shapes: &DMatrix<f64>) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(shapes.ncols(), vectors.len());
     for (vector, mut column) in vectors.iter().zip(all.column_iter_mut()) {
@@ -201,16 +203,16 @@ pub(super) fn participation(vectors: &[LoadVector], shapes: &DMatrix<f64>) -> DM
 }
 
 impl Body {
-    /// Shapes on every node, of the full modes that belong to this body.
+    /// Shapes at every node of the full modes that belong to this body.
     ///
     /// # Errors
-    /// [`Error::OtherModes`] if another machine stored the body: the sign of a mode is open, and modes of one frequency
-    /// may be any mixture of each other.
+    /// [`BodyError::OtherModes`] if another machine stored the body: the sign of a mode is open, and modes of one
+    /// frequency may be any mixture of each other.
     pub fn shapes<'a>(&self, modes: &'a WholeModes) -> Result<&'a DMatrix<f64>, Error> {
         if skin(&self.surface, &modes.shapes) == self.skin {
             Ok(&modes.shapes)
         } else {
-            Err(Error::OtherModes { body: self.name })
+            Err(BodyError::OtherModes { body: self.name }.into())
         }
     }
 
@@ -219,7 +221,7 @@ impl Body {
         &self.lift * -gravity
     }
 
-    /// The same where a mass \[kg\] of sand that moves with the base rests in the sand: its weight is evenly carried by
+    /// The same if a mass \[kg\] of sand that moves with the base rests in the sand: its weight is carried evenly by
     /// the contact cells.
     pub fn weight_in_sand(&self, gravity: f64, sand: f64, grid: &ContactGrid) -> DVector<f64> {
         let mut weight = self.weight(gravity);
@@ -230,7 +232,7 @@ impl Body {
         weight
     }
 
-    /// Its surface and how that moves.
+    /// Its surface, with the motion in each mode.
     pub fn moving_surface(&self) -> MovingSurface<'_> {
         MovingSurface {
             body: self.name,

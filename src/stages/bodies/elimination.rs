@@ -10,13 +10,13 @@ use super::meshing::NamedMesh;
 use crate::error::Error;
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
-/// Finds an order of elimination for the matrices of a body. The order is stored, because it does not depend on masses
-/// and materials, and nothing else changes between designs of one shape.
+/// Finds an elimination order for the matrices of a body. The order is stored because it does not depend on masses and
+/// materials, and designs with the same shape differ only in these.
 #[derive(Serialize)]
 pub struct Elimination {
     /// The mesh.
     pub mesh: Stored<NamedMesh>,
-    /// Gap that ties bridge by design \[m\].
+    /// Gap that ties have to bridge by design \[m\].
     pub fit: f64,
     /// Face group whose nodes are fixed.
     pub clamped: Option<&'static str>,
@@ -56,7 +56,7 @@ impl Stage for Elimination {
 }
 
 impl Geometry {
-    /// The stage that finds the order of elimination.
+    /// The stage that finds the elimination order.
     pub fn elimination(&self, mesh: Stored<NamedMesh>) -> Elimination {
         let Properties {
             clamped,

@@ -1,4 +1,4 @@
-//! Geometry and materials of a body, and the source of its mesh: built in, by gmsh, or the user's own.
+//! Geometry and materials of a body, and the source of its mesh: built in, from gmsh, or from the user.
 
 use nailnoise_fem::Material;
 use nailnoise_meshes::msh::Imported;
@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::mesh_file::MeshFile;
 use super::surfaces::Naming;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 /// A body of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -45,10 +46,10 @@ impl BodyKind {
     }
 }
 
-/// All that the finite elements of a body are made of, but for the places of loads.
+/// All data from which the finite elements of a body are made, except the places of loads.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Geometry {
-    /// Which body it is.
+    /// The body.
     pub kind: BodyKind,
     /// Source of its mesh.
     pub mesh: MeshSource,
@@ -67,7 +68,7 @@ pub struct Properties {
     pub clamped: Option<&'static str>,
     /// Sand that moves with its base.
     pub sand: Option<AddedSand>,
-    /// Mass that the mesh leaves out.
+    /// Mass that the mesh omits.
     pub remainder: Option<Remainder>,
 }
 
@@ -80,12 +81,12 @@ pub enum MeshSource {
         size: [f64; 3],
         /// Longest element side \[m\].
         element: f64,
-        /// Height at which a board touches the block below it \[m\]; none for one piece.
+        /// Height at which a board touches the block below it \[m\]; `None` for one piece.
         joint: Option<f64>,
     },
-    /// A table with solid legs or, given the thickness of their wall \[m\], on square tubes.
+    /// A table with solid legs or, with a wall thickness \[m\], on square tubes.
     Worktable(Worktable, Option<f64>),
-    /// The parametric tool body; `true` has gmsh mesh it even if a mesh of these dimensions ships.
+    /// The parametric tool body. With `true`, gmsh meshes it even if a mesh of these dimensions comes with the program.
     Tool(Box<Tool>, bool),
     /// The user's own file.
     File(MeshFile),
@@ -96,11 +97,11 @@ pub enum MeshSource {
 pub enum PartMaterials {
     /// One material for all parts.
     Same(Box<Material>),
-    /// By the name of the part; the first also for the part of a mesh that has only one, whatever its name.
+    /// By the name of the part; the first is also used for a mesh with only one part, whatever its name.
     Named(Vec<(&'static str, Material)>),
 }
 
-/// Sand that moves with the base of a block, a thin layer under it.
+/// Sand that moves with the base of a block, a thin layer below it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AddedSand {
     /// Its mass \[kg\].
@@ -114,7 +115,7 @@ pub struct AddedSand {
 pub struct Remainder {
     /// Mass of the body \[kg\].
     pub total: f64,
-    /// Face groups with their shares of the difference and the squared radii of gyration about x, y and z \[m2\].
+    /// Face groups with their fractions of the difference and the squared radii of gyration about x, y and z \[m2\].
     pub shares: [(&'static str, f64, [f64; 3]); 3],
 }
 
@@ -128,7 +129,7 @@ impl MeshSource {
         }
     }
 
-    /// The mesh; damaged elements are refused.
+    /// Imports the mesh; damaged elements are rejected.
     pub(super) fn import(&self) -> Result<Imported, Error> {
         let built_in = Imported::built;
         let imported = match self {
@@ -148,7 +149,7 @@ impl MeshSource {
         Ok(imported)
     }
 
-    /// Gap that ties bridge by design \[m\]: that between sleeve and barrel.
+    /// Gap that ties have to bridge by design \[m\]: that between sleeve and barrel.
     pub(super) fn fit(&self) -> f64 {
         match self {
             Self::Tool(dimensions, _) => dimensions.sleeve_gap,
@@ -158,7 +159,7 @@ impl MeshSource {
 }
 
 impl PartMaterials {
-    /// One material a part.
+    /// One material for each part.
     pub(super) fn of(&self, mesh: &Mesh) -> Result<Vec<Material>, Error> {
         let named = match self {
             Self::Same(material) => return Ok(vec![(**material).clone(); mesh.part_names.len()]),
@@ -167,10 +168,11 @@ impl PartMaterials {
         let of_part = |name: &String| match named.iter().find(|(known, _)| known == name) {
             Some((_, material)) => Ok(material.clone()),
             None if mesh.part_names.len() == 1 => Ok(named[0].1.clone()),
-            None => Err(Error::UnknownPart {
+            None => Err(BodyError::UnknownPart {
                 part: name.clone(),
                 known: named.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", "),
-            }),
+            }
+            .into()),
         };
         mesh.part_names.iter().map(of_part).collect()
     }

@@ -1,9 +1,9 @@
-//! Joint of a workpiece of two pieces: a board on the block, and the nail that fastens it.
+//! Joint of a workpiece with two pieces: a board on the block, and the nail that fastens it.
 //!
-//! The pieces touch in contact cells that push and do not pull. The driven nail ties them along its axis, by its head
-//! and the friction along its shank, and across it, as a dowel. Its springs act from the start of the shot. Assumption:
-//! until the nail is through, tool and weight press the pieces together, so that the springs carry little. Friction
-//! between the pieces is left out.
+//! The pieces touch in contact cells that transmit only compression. The driven nail connects them along its axis, by
+//! its head and the friction along its shank, and across its axis, as a dowel. Its springs act from the start of the
+//! shot. Assumption: until the nail has passed the joint, tool and weight press the pieces together, so that the
+//! springs carry little. Friction between the pieces is neglected.
 
 use nailnoise_fem::LoadVector;
 use nailnoise_fem::vibration::{Support, SupportLaw};
@@ -14,10 +14,10 @@ use serde::Serialize;
 use super::contact_cells::ContactCells;
 use super::nail_stations::NailPlace;
 
-/// Points of the mean along a part of the shank.
+/// Number of points for the mean along a part of the shank.
 const POINTS: usize = 3;
 
-/// Springs of the nail: one along it, two across.
+/// Number of springs of the nail: one along its axis, two across.
 const NAIL_SPRINGS: usize = 3;
 
 /// Places where the two pieces of a workpiece act on each other.
@@ -29,7 +29,7 @@ pub struct Joint {
     pub cells: ContactCells,
     /// The nail.
     pub nail: NailPlace,
-    /// Length of the shank on each side of the joint over which it resists slip \[m\].
+    /// Length of the shank on each side of the joint over which the dowel acts \[m\].
     pub dowel: f64,
 }
 
@@ -66,14 +66,14 @@ impl Joint {
         cells.chain(nail).collect()
     }
 
-    /// How far the pieces have closed in each cell; then how far the block has moved more than the board at the nail,
-    /// upwards, along x and along y.
+    /// Load vectors: approach of the pieces in each cell, then the displacement of the block minus that of the board at
+    /// the nail, upwards, along x and along y.
     pub(super) fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
         let up = Vector3::z();
         let lower = self.cells.load_vectors(mesh, JOINT[0], self.height, up)?;
         let upper = self.cells.load_vectors(mesh, JOINT[1], self.height, -up)?;
         let mut vectors: Vec<LoadVector> = lower.iter().zip(&upper).map(|(a, b)| a.plus(b)).collect();
-        let NailPlace { top, length, .. } = self.nail;
+        let NailPlace { entry: top, length, .. } = self.nail;
         let tip = top - length;
         vectors.push(self.slip(mesh, [tip, top], up)?);
         let near = [tip.max(self.height - self.dowel), top.min(self.height + self.dowel)];
@@ -83,8 +83,8 @@ impl Joint {
         Ok(vectors)
     }
 
-    /// Mean motion of the block along the shank from the lower end to the joint, less that of the board from the joint
-    /// to the upper end.
+    /// Mean displacement of the block along the shank from the lower end to the joint, minus that of the board from the
+    /// joint to the upper end.
     fn slip(&self, mesh: &Mesh, [low, high]: [f64; 2], direction: Vector3<f64>) -> Result<LoadVector, MeshError> {
         let [x, y] = self.nail.at;
         let pieces = [([low, self.height], 1.0), ([self.height, high], -1.0)];

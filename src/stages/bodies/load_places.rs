@@ -16,12 +16,13 @@ use super::joint::Joint;
 use super::nail_stations::NailPlace;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// The mesh of a body with its materials and load vectors.
 #[derive(Serialize)]
 pub struct Discretisation {
-    /// Which body it is.
+    /// The body.
     pub kind: BodyKind,
     /// The meshed body.
     pub meshed: Stored<Meshed>,
@@ -53,7 +54,7 @@ impl Stage for Discretisation {
         let mut problems = Vec::new();
         for &(group, mass) in &meshed.unplaced {
             let known = known_groups(mesh);
-            problems.push(Error::NoSeat { group, mass, known });
+            problems.push(BodyError::NoSeat { group, mass, known }.into());
         }
         let loads = collected(self.places.loads(mesh), &mut problems);
         let contacts = collected(self.places.contacts(mesh), &mut problems);
@@ -66,7 +67,7 @@ impl Stage for Discretisation {
     }
 }
 
-/// Places of forces on a body; nowhere by default.
+/// Places where forces act on a body; empty by default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct LoadPlaces {
     /// Nail and nose on the workpiece.
@@ -79,13 +80,13 @@ pub struct LoadPlaces {
     pub side_sand: Option<SideSand>,
     /// Springs to the ground.
     pub springs: Vec<SpringFoot>,
-    /// Joint of a workpiece of two pieces.
+    /// Joint of a workpiece with two pieces.
     pub joint: Option<Joint>,
-    /// Number of further supports, after these, that act only on another body.
+    /// Number of further supports that act only on another body, numbered after these.
     pub elsewhere: usize,
 }
 
-/// Sand at the sides of a block: cells where the sand supports them, each in three directions.
+/// Sand at the sides of a block: cells in which the sand supports the sides, each in three directions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SideSand {
     /// Lengths of the block along x, y and z \[m\].
@@ -101,7 +102,8 @@ struct SideCell {
 }
 
 impl SideSand {
-    /// Cells along a side and up it; the waves that sand carries at the sides are longer than the block is thick.
+    /// Number of cells along a side, and up it; the waves that the sand carries at the sides are longer than the
+    /// thickness of the block.
     const ALONG: usize = 5;
     const UP: usize = 2;
 
@@ -133,10 +135,11 @@ impl SideSand {
             })
     }
 
-    /// Springs and dashpots of the cells: those of the base per area, times the supported share of the sides, `held`.
+    /// Springs and dashpots of the cells: those of the base per area, times the fraction `held` of the sides that is
+    /// supported.
     ///
-    /// They act both ways: the sand's own weight presses it on the sides, and a small motion takes off as much of that
-    /// pressure as it adds on its way back.
+    /// They act in both directions, because the sand's own weight presses it against the sides, and a small motion
+    /// removes as much of this pressure as it adds on its way back.
     pub fn supports(&self, base: &RectangularBase, sand: &Sand, held: f64) -> Vec<Support> {
         let (along, across) = base.shear_bedding(sand);
         let shear = 0.5 * (along + across);
@@ -169,8 +172,8 @@ impl SideSand {
     }
 }
 
-/// Largest distance of a spring from its body \[m\], the same as for sensors: the chords of a mesh are closer than that
-/// to the cylinders that they approximate.
+/// Maximum distance of a spring from its body \[m\], the same as for sensors; it is larger than the deviation of a mesh
+/// from a cylinder.
 const REACH: f64 = 1e-3;
 
 /// Place of a spring to the ground.
@@ -178,14 +181,14 @@ const REACH: f64 = 1e-3;
 pub struct SpringFoot {
     /// Its name in the design.
     pub name: String,
-    /// Position and radius of its foot \[m\]; none for a spring on another body.
+    /// Position and radius of its foot \[m\]; `None` for a spring on another body.
     pub place: Option<([f64; 3], f64)>,
     /// Axes along which it acts; the vertical one points down, so that the spring's force carries the body.
     pub axes: Vec<[f64; 3]>,
 }
 
 impl SpringFoot {
-    /// Displacements that it resists, one an axis; zero vectors for a spring on another body.
+    /// Displacements that it resists, one per axis; zero vectors for a spring on another body.
     fn load_vectors(&self, mesh: &Mesh, surface: &Surface) -> Result<Vec<LoadVector>, Error> {
         let along = |&axis: &[f64; 3]| {
             let Some((at, radius)) = self.place else {
@@ -195,10 +198,11 @@ impl SpringFoot {
             let disc = LoadVector::disc(surface, (at, radius), axis)?;
             let vector = disc.map_or_else(|| LoadVector::point(mesh, at, axis, REACH), Ok);
             vector.map_err(|error| match error {
-                MeshError::Outside { distance, .. } => Error::SpringOutside {
+                MeshError::Outside { distance, .. } => BodyError::SpringOutside {
                     spring: self.name.clone(),
                     distance,
-                },
+                }
+                .into(),
                 other => other.into(),
             })
         };
@@ -206,7 +210,7 @@ impl SpringFoot {
     }
 }
 
-/// The load vectors, or none and one more problem.
+/// The load vectors; if they cannot be computed, none, and the problem is added.
 fn collected(vectors: Result<Vec<LoadVector>, Error>, problems: &mut Vec<Error>) -> Vec<LoadVector> {
     match vectors {
         Ok(vectors) => vectors,

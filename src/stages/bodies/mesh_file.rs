@@ -1,4 +1,4 @@
-//! A mesh or solid geometry in a file of the user's own.
+//! A mesh or solid geometry in a user's file.
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::error::Error;
 use crate::stages::Digest;
+use crate::stages::bodies::BodyError;
 
 /// A mesh or solid geometry in a file, identified by its content.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,12 +19,12 @@ pub struct MeshFile {
     content: Digest,
     /// Length of one unit of the file \[m\].
     unit: f64,
-    /// Longest element side of a solid geometry \[m\]; none for a mesh.
+    /// Longest element side of a solid geometry \[m\]; `None` for a mesh.
     element: Option<f64>,
-    /// Number of the only solid of a solid geometry that is meshed; all without one.
+    /// Number of the single solid to be meshed; `None` to mesh all.
     #[serde(skip_serializing_if = "Option::is_none")]
     solid: Option<usize>,
-    /// Permitted extent of its longest side; none for a file that represents no body.
+    /// Permitted length of its longest side; `None` for a file that does not represent a body.
     expected: Option<Extent>,
 }
 
@@ -32,15 +33,15 @@ pub struct MeshFile {
 pub struct FileUnit {
     /// \[m\]
     pub metres: f64,
-    /// The option or key where the user gave it; none for the usual millimetre.
+    /// The option or key with which the user gave it; `None` for the default millimetre.
     pub given_in: Option<&'static str>,
 }
 
 impl FileUnit {
-    /// Unit of CAD programs, unless stated otherwise \[m\].
+    /// Default unit of CAD programs \[m\].
     pub const USUAL: f64 = 1e-3;
 
-    /// The unit of a key of the design, which counts as given if it is not the usual one.
+    /// The unit from a key of the design, which counts as given if it is not the default.
     pub fn of_key(metres: f64, key: &'static str) -> Self {
         Self {
             metres,
@@ -48,7 +49,7 @@ impl FileUnit {
         }
     }
 
-    /// The unit of an option of the command line.
+    /// The unit from a command-line option.
     pub fn of_option(metres: Option<f64>, option: &'static str) -> Self {
         Self {
             metres: metres.unwrap_or(Self::USUAL),
@@ -57,10 +58,10 @@ impl FileUnit {
     }
 }
 
-/// How long a body may be, to notice a file that is read in a wrong unit.
+/// Permitted length of a body, to detect a file that is read in a wrong unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extent {
-    /// The part that it represents, in words.
+    /// Description of the part that it represents.
     pub what: &'static str,
     /// Its longest side along an axis \[m\].
     pub longest: [f64; 2],
@@ -68,7 +69,7 @@ pub struct Extent {
     pub key: &'static str,
 }
 
-/// Units of lengths in files, the commonest first.
+/// Units of length in files, most common first.
 const UNITS: [(&str, f64); 5] = [
     ("1 mm", 1e-3),
     ("1 m", 1.0),
@@ -82,8 +83,8 @@ impl Extent {
         (self.longest[0]..=self.longest[1]).contains(&extent)
     }
 
-    /// The error that no such body has a longest side \[m\], for a file that is read in a unit \[m\] or states its own
-    /// (none).
+    /// The error that no such body is this long \[m\], for a file that is read in a unit \[m\] or states its own
+    /// (`None`).
     fn refuse(&self, path: &Path, extent: f64, unit: Option<f64>) -> Error {
         let read_as = |other: f64| unit.map(|unit| extent / unit * other);
         let better = UNITS
@@ -105,7 +106,7 @@ impl Extent {
                 self.key
             ),
         };
-        Error::Extent {
+        BodyError::Extent {
             path: path.to_owned(),
             what: self.what,
             found: format!(
@@ -119,6 +120,7 @@ impl Extent {
             expected: self.longest.map(millimetres).join(" to "),
             remedy,
         }
+        .into()
     }
 }
 
@@ -128,23 +130,25 @@ fn millimetres(length: f64) -> String {
 }
 
 impl MeshFile {
-    /// A file in a unit; a solid geometry is meshed with elements no longer than `element` \[m\].
+    /// A file with its unit; a solid geometry is meshed with elements no longer than `element` \[m\].
     ///
     /// # Errors
-    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`Error::NoSize`] for a solid geometry
-    /// without an element size, [`Error::StatedUnit`] where a unit is given for a file that states its own.
+    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`BodyError::NoSize`] for a solid
+    /// geometry without an element size, [`BodyError::StatedUnit`] where a unit is given for a file that states its
+    /// own.
     pub fn new(path: &Path, unit: FileUnit, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
         let element = if is_solid(path)? {
-            Some(element.ok_or(Error::NoSize)?)
+            Some(element.ok_or(BodyError::NoSize)?)
         } else {
             None
         };
         if let Some(given_in) = unit.given_in.filter(|_| states_unit(path)) {
-            return Err(Error::StatedUnit {
+            return Err(BodyError::StatedUnit {
                 path: path.to_owned(),
                 given: millimetres(unit.metres),
                 given_in,
-            });
+            }
+            .into());
         }
         let bytes = read_regular(path, msh::LARGEST).map_err(|source| MeshError::Read {
             path: path.to_owned(),
@@ -164,13 +168,13 @@ impl MeshFile {
         })
     }
 
-    /// The same file, with only one solid meshed, by its number from 1.
+    /// The same file, with only one solid meshed, given by its number starting at 1.
     ///
     /// # Errors
-    /// [`Error::NoSolids`] for a file that is a mesh.
+    /// [`BodyError::NoSolids`] for a file that is a mesh.
     pub fn with_solid(self, solid: Option<usize>) -> Result<Self, Error> {
         if solid.is_some() && !self.needs_gmsh() {
-            return Err(Error::NoSolids { path: self.path });
+            return Err(BodyError::NoSolids { path: self.path }.into());
         }
         Ok(Self { solid, ..self })
     }
@@ -178,7 +182,7 @@ impl MeshFile {
     /// Reads a mesh, or has gmsh mesh a solid geometry.
     ///
     /// # Errors
-    /// Those of reading and meshing, [`Error::Extent`] for a body that is far too large or too small.
+    /// Those of reading and meshing, [`BodyError::Extent`] for a body that is far too large or too small.
     pub fn import(&self) -> Result<Imported, Error> {
         let Some(element) = self.element else {
             let imported = msh::read(&self.path, self.unit)?;
@@ -190,8 +194,8 @@ impl MeshFile {
                 _ => Ok(imported),
             };
         };
-        // gmsh gives lengths in millimetres whatever the unit of the file; BREP files have none, and a unit of 1 mm
-        // leaves them.
+        // gmsh gives lengths in millimetres regardless of the file's unit. BREP files have no unit, and gmsh keeps
+        // their numbers; with a unit of 1 mm they stay the same.
         let scale = self.unit / FileUnit::USUAL;
         let expected = self.expected.map_or([0.0, f64::INFINITY], |expected| expected.longest);
         let solid = SolidGeometry {
@@ -233,13 +237,13 @@ fn longest_side(imported: &Imported) -> f64 {
     (high - low).max()
 }
 
-/// Whether files of this kind state the unit of their lengths, by the end of its name: STEP and IGES do, BREP does not.
+/// Whether files of this type, given by the extension, state their unit of length: STEP and IGES do, BREP does not.
 pub fn states_unit(path: &Path) -> bool {
     let name = path.to_string_lossy().to_lowercase();
     [".step", ".stp", ".igs", ".iges"].iter().any(|end| name.ends_with(end))
 }
 
-/// Whether a file is a solid geometry rather than a mesh, by the end of its name.
+/// Whether a file is a solid geometry instead of a mesh, by its extension.
 fn is_solid(path: &Path) -> Result<bool, MeshError> {
     let name = path.to_string_lossy().to_lowercase();
     let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));

@@ -1,4 +1,4 @@
-//! The mesh of a body, whose surfaces have names.
+//! The mesh of a body with named surfaces.
 
 use nailnoise_meshes::msh::Imported;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use crate::stages::{Code, Progress, Stage, Uncached, code};
 /// Makes the mesh of a body and names its surfaces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Meshing {
-    /// Which body it is.
+    /// The body.
     pub kind: BodyKind,
     /// Origin of the mesh.
     pub source: MeshSource,
@@ -19,7 +19,7 @@ pub struct Meshing {
     pub naming: Naming,
 }
 
-/// A mesh whose surfaces have names.
+/// A mesh with named surfaces.
 #[derive(Debug, Clone)]
 pub struct NamedMesh {
     /// The mesh, with the numbers of the source file.
@@ -43,7 +43,7 @@ impl Stage for Meshing {
             MeshSource::File(_) => self.naming.apply(mesh)?,
             _ => Vec::new(),
         };
-        // The lowest surface of a table without names stands on the floor.
+        // The lowest surface of a table without named surfaces stands on the floor.
         if self.kind == BodyKind::Worktable && mesh.group("floor").is_err() {
             for group in mesh.groups.iter_mut().filter(|group| group.name == "bottom") {
                 "floor".clone_into(&mut group.name);

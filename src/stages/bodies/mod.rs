@@ -1,15 +1,17 @@
 //! Finite-element bodies: geometry, mesh, modes, and the load vectors through which forces act on them.
 //!
-//! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
+//! Workpiece and worktable meet in the plane z = 0, with z up; the workpiece's centre is at x = y = 0, with x along the
+//! grain.
 //!
 //! [`Meshing`] makes the mesh, [`Attachment`] adds materials, supports and masses, [`Discretisation`] load vectors.
-//! [`Modes`] solves for the full shapes in the order that [`Elimination`] finds. [`ModalModel`] reduces them to the
-//! values that a shot reads, so a run whose bodies have not changed needs neither mesh nor full shapes.
+//! [`Modes`] solves for the full shapes in the elimination order found by [`Elimination`]. [`ModalModel`] reduces them
+//! to the values that a shot reads, so a run whose bodies have not changed needs neither mesh nor full shapes.
 
 mod attachment;
 mod body;
 mod contact_cells;
 mod elimination;
+mod error;
 mod geometry;
 mod joint;
 mod load_places;
@@ -27,6 +29,7 @@ pub use attachment::{Attachment, Meshed};
 pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
 pub use contact_cells::{ContactCells, ContactFace};
 pub use elimination::Elimination;
+pub use error::BodyError;
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, PartMaterials, Properties, Remainder};
 pub use joint::{Joint, JointSpring};
 pub use load_places::{Discretisation, LoadPlaces, Model, SideSand, SpringFoot};

@@ -1,4 +1,4 @@
-//! Whole modes of a body: their shapes on every node, in double precision.
+//! Full modes of a body: their shapes at every node, in double precision.
 
 use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_in_order, assemble_with, modes};
 use nalgebra::{DMatrix, Vector3};
@@ -12,24 +12,24 @@ use crate::stages::{Code, HasMatrix, Progress, Stage, Stored, WithMatrix, code};
 /// The modes of a body below a frequency, with static corrections for its loads.
 #[derive(Serialize)]
 pub struct Modes {
-    /// Which body it is.
+    /// The body.
     pub kind: BodyKind,
     /// Its finite elements.
     pub model: Stored<Model>,
-    /// An order of elimination for its matrices; none if each sector of a body with mirror planes has a separate one.
+    /// An elimination order for its matrices; `None` if each sector of a body with mirror planes has its own.
     pub order: Stored<Option<Vec<u32>>>,
-    /// Frequency below which all modes are wanted \[Hz\].
+    /// All modes below this frequency are computed \[Hz\].
     pub below_hz: f64,
     /// Largest residual accepted for any mode.
     pub residual_limit: f64,
 }
 
-/// Modes and static corrections with their shapes on every node.
+/// Modes and static corrections with their shapes at every node.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WholeModes {
-    /// Frequencies and the proof that they are complete.
+    /// Frequencies, and the proof that no mode is missing.
     pub basis: ModalBasis<()>,
-    /// M (0, 0, 1), the momentum of every degree of freedom in a rise at unit speed \[kg\].
+    /// M (0, 0, 1), the momentum in every degree of freedom when the body moves upwards at unit speed \[kg\].
     pub momentum: Vec<f64>,
     /// Shapes of the modes, then of the static corrections: 3 nodes x modes, phi^T M phi = 1 \[kg^-1/2\].
     #[serde(skip)]
@@ -90,8 +90,8 @@ impl Stage for Modes {
     }
 }
 
-/// M (0, 0, 1) on all degrees of freedom, to be multiplied by the shapes: the momentum of everything, tied and lumped
-/// parts included, in a rise at unit speed \[kg\].
+/// M (0, 0, 1) in all degrees of freedom, to be multiplied by the shapes: the momentum of the complete body, including
+/// tied and lumped parts, moving upwards at unit speed \[kg\].
 fn upward_momentum(system: &System) -> Vec<f64> {
     let velocity = system.equations.translation(Vector3::z());
     let mut momentum = vec![0.0; velocity.nrows()];
@@ -120,7 +120,7 @@ mod tests {
     const E: f64 = 70e9;
     const NU: f64 = 0.33;
 
-    /// Static swept volume of a free body under a unit of pressure on patches, from its modes and static corrections.
+    /// Static swept volume of a free body under unit pressure on patches, from its modes and static corrections.
     fn swept(mesh: Mesh, attachments: Attachments, patches: &[&str]) -> f64 {
         let load = LoadVector::pressure(&Surface::of(&mesh), patches, |_| true).unwrap();
         let imported = Imported::built(mesh);
@@ -151,8 +151,8 @@ mod tests {
         elastic.map(|(omega, p)| (p / omega).powi(2)).sum()
     }
 
-    /// Pressure from all sides shrinks a block by V/K, K = E/(3 (1 - 2 nu)): a linear field, which the elements
-    /// represent exactly.
+    /// Hydrostatic pressure reduces the volume of a block by V/K per unit pressure, K = E/(3 (1 - 2 nu)); the elements
+    /// represent this linear field exactly.
     #[test]
     fn modes_and_corrections_give_the_static_shrinking_of_a_block_exactly() {
         let size = [0.3, 0.2, 0.1];
@@ -169,7 +169,7 @@ mod tests {
         assert!((found / exact - 1.0).abs() < 1e-6, "{found:e} {exact:e}");
     }
 
-    /// A cylinder open at its ends under inner pressure p (Lame): u(a) = p a/E ((b^2 + a^2)/(b^2 - a^2) + nu).
+    /// A cylinder with open ends under internal pressure p (Lame): u(a) = p a/E ((b^2 + a^2)/(b^2 - a^2) + nu).
     #[test]
     fn a_cylinder_widens_under_pressure_as_lames_formula_says() {
         let (a, b, height) = (0.030, 0.034, 0.02);

@@ -1,4 +1,4 @@
-//! Place of the nail, and the stations along its axis at which its force acts on the wood.
+//! Place of the nail, and the stations along its axis where its force acts on the wood.
 
 use nailnoise_fem::{LoadVector, Rectangle};
 use nailnoise_meshes::{Mesh, MeshError};
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// finer than the elements.
 pub(crate) const STATIONS: usize = 12;
 
-/// Depths of the stations below the surface \[m\].
+/// Depths of the stations below the nail's entry \[m\].
 pub(crate) fn depths(nail_length: f64) -> [f64; STATIONS] {
     std::array::from_fn(|k| nail_length * k as f64 / (STATIONS - 1) as f64)
 }
@@ -21,6 +21,8 @@ pub struct NailPlace {
     pub at: [f64; 2],
     /// Height of the top \[m\].
     pub top: f64,
+    /// Height at which the nail enters the wood: that of the top, or of the bottom of a groove \[m\].
+    pub entry: f64,
     /// Length of the nail \[m\].
     pub length: f64,
     /// Lengths of the nose along x and y \[m\].
@@ -28,10 +30,10 @@ pub struct NailPlace {
 }
 
 impl NailPlace {
-    /// Downward displacement of the nail's stations, then of the nose.
+    /// Downward displacement of the nail stations, then of the nose.
     pub(super) fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
         let ([x, y], down) = (self.at, -Vector3::z());
-        let station = |depth: f64| LoadVector::point(mesh, Point3::new(x, y, self.top - depth), down, 0.0);
+        let station = |depth: f64| LoadVector::point(mesh, Point3::new(x, y, self.entry - depth), down, 0.0);
         let nose = Rectangle::horizontal(Point3::new(x, y, self.top), self.nose);
         let stations = depths(self.length).map(station).into_iter();
         stations

@@ -1,4 +1,4 @@
-//! Pieces of a mesh that nothing joins or fixes.
+//! Detects pieces of a mesh that nothing joins or fixes.
 
 use std::collections::BTreeMap;
 
@@ -7,19 +7,20 @@ use nalgebra::Vector3;
 
 use super::attachment::Meshed;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 impl Meshed {
     /// Checks that the pieces of the mesh are one body: joined by common nodes, ties or a joint, or fixed.
     ///
     /// # Errors
-    /// [`Error::LoosePiece`] with the place of the smallest loose piece; [`Error::NotTied`] for pieces that a tie does
-    /// not reach.
+    /// [`BodyError::LoosePiece`] with the place of the smallest loose piece; [`BodyError::NotTied`] for pieces that a
+    /// tie does not reach.
     pub fn check_pieces(&self, body: &'static str) -> Result<(), Error> {
         let mesh = &self.imported.mesh;
         let followers = self.attachments.followers(mesh, &self.constraints);
-        let followers = followers.map_err(|cause| Error::NotTied { body, cause })?;
+        let followers = followers.map_err(|cause| BodyError::NotTied { body, cause })?;
         let piece_of = mesh.piece_of_nodes();
-        // Each piece that is tied to another has the number of that.
+        // Each piece that is tied to another takes its number.
         let mut whole: BTreeMap<usize, usize> = piece_of.iter().flatten().map(|&piece| (piece, piece)).collect();
         let mut join = |a: usize, b: usize| {
             let (keep, replace) = (whole[&a].min(whole[&b]), whole[&a].max(whole[&b]));
@@ -54,12 +55,13 @@ impl Meshed {
         }
         let smallest = pieces.values().min_by(|a, b| a.0.total_cmp(&b.0));
         match smallest {
-            Some((volume, moment)) if pieces.len() > 1 => Err(Error::LoosePiece {
+            Some((volume, moment)) if pieces.len() > 1 => Err(BodyError::LoosePiece {
                 body,
                 pieces: pieces.len(),
                 volume: *volume,
                 centre: (moment / *volume).into(),
-            }),
+            }
+            .into()),
             _ => Ok(()),
         }
     }

@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::body::{Body, participation};
 use super::modes::WholeModes;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code, matrix};
 
-/// Permitted distance of a sensor from its body \[m\]: less than half its base, and more than the distance between the
-/// chords of a mesh and the cylinders that they approximate.
+/// Maximum distance of a sensor from its body \[m\]: less than half its base, and larger than the deviation of a mesh
+/// from a cylinder.
 const OFF: f64 = 1e-3;
 
 /// Place of a sensor on an elastic body.
@@ -21,7 +22,7 @@ pub struct SensorPoint {
     pub name: String,
     /// Position \[m\].
     pub position: [f64; 3],
-    /// Direction whose scalar product with the displacement is measured \[-\].
+    /// Direction of the measured displacement component \[-\].
     pub direction: [f64; 3],
 }
 
@@ -68,17 +69,18 @@ impl Stage for SensorModes {
 }
 
 impl SensorPoint {
-    /// The load vector that reads the displacement there on the mesh of a body.
+    /// The load vector on the mesh of a body that measures this displacement.
     ///
     /// # Errors
-    /// [`Error::SensorOffBody`] with the distance.
+    /// [`BodyError::SensorOffBody`] with the distance.
     pub fn load_vector(&self, mesh: &Mesh, body: &'static str) -> Result<LoadVector, Error> {
         LoadVector::point(mesh, self.position.into(), self.direction.into(), OFF).map_err(|error| match error {
-            MeshError::Outside { distance, .. } => Error::SensorOffBody {
+            MeshError::Outside { distance, .. } => BodyError::SensorOffBody {
                 sensor: self.name.clone(),
                 body,
                 distance,
-            },
+            }
+            .into(),
             other => other.into(),
         })
     }

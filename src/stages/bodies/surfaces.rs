@@ -1,7 +1,7 @@
-//! Names of the surfaces of a user's own body: those of its file, of places that the design gives, and of guesses.
+//! Names of the surfaces of a user's body: from its file, from places that the design gives, or recognised.
 //!
-//! A face has the meaning that it has in a drawing: faces of elements that meet at smooth edges. So a point names an
-//! entire bore or the end of a tube, whether the file is a mesh or a solid geometry.
+//! A face is what it is in a drawing: element faces that meet at smooth edges. So a point names an entire bore or the
+//! end of a tube, whether the file is a mesh or a solid geometry.
 
 use std::f64::consts::PI;
 
@@ -11,38 +11,39 @@ use serde::{Deserialize, Serialize};
 
 use super::tool_surfaces::ToolShape;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
-/// Angle between the normals on both sides of an edge at which a smooth face ends.
+/// Angle between the normals at an edge above which a smooth face ends.
 pub(super) const EDGE: f64 = PI / 6.0;
 
 /// Largest angle between the direction that the design gives and the normal of the face.
 const ASIDE: f64 = PI / 3.0;
 
-/// Permitted distance from the body of a place without a radius \[m\]: the chords of a mesh are closer than that to the
-/// cylinders that they approximate.
+/// Maximum distance from the body for a place without a radius \[m\]; it is larger than the deviation of a mesh from a
+/// cylinder.
 const REACH: f64 = 1e-3;
 
-/// A place on a body's skin that is a named surface.
+/// A place on a body's skin that identifies a named surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfacePlace {
     /// Its name in the design.
     pub entry: String,
     /// Name of the surface.
     pub surface: &'static str,
-    /// A point of it \[m\].
+    /// A point on it \[m\].
     pub at: [f64; 3],
     /// Distance from the point within which the face belongs to it \[m\]; 0 for the entire face.
     pub radius: f64,
-    /// Outward direction of the face there; none for either side of a wall.
+    /// Outward direction of the face at that point; `None` for either side of a wall.
     pub outward: Option<[f64; 3]>,
 }
 
-/// How the surfaces of a body from a file get their names.
+/// How the surfaces of a body from a file are named.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Naming {
     /// Places that the design gives.
     pub places: Vec<SurfacePlace>,
-    /// Dimensions that identify the surfaces of a tool; none for other bodies.
+    /// Dimensions by which the surfaces of a tool are recognised; `None` for other bodies.
     pub tool: Option<ToolShape>,
 }
 
@@ -82,11 +83,12 @@ impl FoundSurface {
 }
 
 impl Naming {
-    /// Names the surfaces of a mesh: those whose places the design gives; by the heights of its planes a mesh without
-    /// any name; and the surfaces of a tool, unless its file names one of them. A face has one name.
+    /// Names the surfaces of a mesh: those whose places the design gives; for a mesh without any names, those
+    /// identified by the heights of its planes; and the surfaces of a tool, unless its file names one of them. A face
+    /// has one name.
     ///
     /// # Errors
-    /// [`Error::SurfaceOutside`] for a place that is not on the body.
+    /// [`BodyError::SurfaceOutside`] for a place that is not on the body.
     pub(super) fn apply(&self, mesh: &mut Mesh) -> Result<Vec<FoundSurface>, Error> {
         let mut found = Vec::new();
         if mesh.groups.is_empty() && self.tool.is_none() {
@@ -145,7 +147,7 @@ impl Naming {
 }
 
 impl SurfacePlace {
-    /// The face of an element nearest to the place that looks its way.
+    /// The nearest element face with the given orientation.
     fn nearest(&self, surface: &Surface) -> Result<usize, Error> {
         let at = Point3::from(self.at);
         let outward = self.outward.map(|outward| Vector3::from(outward).normalize());
@@ -156,14 +158,15 @@ impl SurfacePlace {
         let nearest = surface.nearest_face(at, looks);
         match nearest {
             Some((face, distance)) if distance <= self.radius.max(REACH) => Ok(face),
-            _ => Err(Error::SurfaceOutside {
+            _ => Err(BodyError::SurfaceOutside {
                 entry: self.entry.clone(),
                 distance: nearest.map(|(_, distance)| distance),
-            }),
+            }
+            .into()),
         }
     }
 
-    /// Whether a face of an element is within the radius.
+    /// Whether an element face is within the radius.
     fn holds(&self, surface: &Surface, face: usize) -> bool {
         let centre = surface.point_at(face, surface.faces[face].kind.centre()).position;
         self.radius == 0.0 || (centre - Point3::from(self.at)).norm() <= self.radius
@@ -186,7 +189,7 @@ fn measured(surface: &Surface, name: &str, origin: Origin, faces: &[usize]) -> R
     })
 }
 
-/// Assigns faces to this group only, which loses its previous ones.
+/// Assigns these faces to the group alone, replacing its previous ones.
 fn rename(mesh: &mut Mesh, name: &str, faces: Vec<FaceRef>) {
     mesh.groups.retain(|group| group.name != name);
     for group in &mut mesh.groups {

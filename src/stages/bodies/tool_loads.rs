@@ -6,54 +6,54 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
-/// Largest relative deviation of the body's mass from the tool's in the cycle.
+/// Maximum relative difference between the body's mass and that of the tool in the cycle.
 pub(crate) const MASS_LIMIT: f64 = 1e-3;
 
-/// Rings of the bore where the pressure changes as the piston passes.
+/// Number of rings of the bore, in which the pressure changes as the piston passes.
 pub(crate) const RINGS: usize = 12;
 
-/// Loads along the axis, unit forces \[N\]; their places in the list of all loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Axial {
-    Roof,
-    Cap,
-    Rim,
-    Floor,
-    Bore,
-    Nose,
-    Handle,
+/// Names in a shot of the surfaces of the loads along the axis, unit forces \[N\]: their places in the list of all loads.
+pub(crate) const AXIAL_SURFACES: [&str; AXIAL] = ["roof", "cap", "rim", "floor", "bore", "nose", "handle"];
+
+/// Place of the load on the handle.
+pub(crate) const HANDLE: usize = AXIAL - 1;
+
+/// The axial load of a surface of the housing by its name in a shot.
+pub(crate) fn axial(surface: &str) -> Option<usize> {
+    AXIAL_SURFACES.iter().position(|own| *own == surface)
 }
 
 /// Number of loads along the axis.
 pub(crate) const AXIAL: usize = 7;
 
-/// Pressures on walls, in the order of their loads after the axial ones.
+/// Indices of the pressures on walls, which follow the axial loads.
 pub(crate) const SUPPLY: usize = AXIAL + RINGS;
 pub(crate) const RETURN: usize = SUPPLY + 1;
 pub(crate) const PLENUM: usize = RETURN + 1;
 
-/// Loads without weight.
+/// Number of loads without weight.
 pub(crate) const LOADS: usize = PLENUM + 1;
 
-/// Dimensions that determine the places of loads on the tool's body.
+/// Dimensions that determine where loads act on the tool's body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ToolPlaces {
     /// Inner and outer diameter of the head valve \[m\].
     pub valve: [f64; 2],
-    /// Distance of the check-ring holes from the bore's top \[m\].
+    /// Distance of the check-ring holes from the top of the bore \[m\].
     pub check_holes: f64,
 }
 
-/// Surface of an axial load, the load that acts there, and the part of the surface under load.
+/// Surface of an axial load, name of the load, and the part of the surface under load.
 type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bool);
 
-/// Load vectors of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept
+/// Load vectors of all loads on a tool body, in their order: downward displacement for the axial loads \[1\], swept
 /// volume for the pressures \[m2\].
 ///
 /// # Errors
-/// [`Error::NoLoadSurface`] for each surface that is not there, [`Error::NoneOfSurface`] for one that is not where the
-/// design has the force.
+/// [`BodyError::NoLoadSurface`] for each surface that is not there, [`BodyError::NoneOfSurface`] for one that is not
+/// where the design has the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);
@@ -62,12 +62,13 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
         let known = || surface.patches.join(", ");
         match LoadVector::traction(&surface, group, -Vector3::z(), inside) {
             Ok(Some(vector)) => Ok(vector),
-            Ok(None) => Err(Error::NoneOfSurface { group, what }),
-            Err(MeshError::UnknownGroup { .. }) => Err(Error::NoLoadSurface {
+            Ok(None) => Err(BodyError::NoneOfSurface { group, what }.into()),
+            Err(MeshError::UnknownGroup { .. }) => Err(BodyError::NoLoadSurface {
                 group,
                 what,
                 known: known(),
-            }),
+            }
+            .into()),
             Err(error) => Err(error.into()),
         }
     };
@@ -86,7 +87,8 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
         match down(load) {
             Ok(vector) => vectors.push(vector),
             // The cap takes two forces; its absence is one problem.
-            Err(Error::NoLoadSurface { group, .. }) if problems.iter().any(|other| other.lacks(group)) => {}
+            Err(Error::Body(BodyError::NoLoadSurface { group, .. }))
+                if problems.iter().any(|other| other.lacks(group)) => {}
             Err(error) => problems.push(error),
         }
     }
@@ -136,7 +138,7 @@ impl Bore {
         })
     }
 
-    /// The ends of a ring; the outermost reach beyond the bore, whose nodes lie on its ends up to rounding.
+    /// The ends of a ring; the outermost rings extend beyond the bore, whose end nodes have rounding errors.
     fn ring(&self, ring: usize) -> [f64; 2] {
         let at = |k: usize| self.bottom + (self.top - self.bottom) * k as f64 / RINGS as f64;
         let low = if ring == 0 { f64::NEG_INFINITY } else { at(ring) };
@@ -144,7 +146,7 @@ impl Bore {
         [low, high]
     }
 
-    /// Share of a ring above the piston after a travel \[m\] from the bore's top.
+    /// Fraction of a ring above the piston after a travel \[m\] from the top of the bore.
     pub(crate) fn above(&self, ring: usize, travel: f64) -> f64 {
         let length = (self.top - self.bottom) / RINGS as f64;
         let high = self.bottom + length * (ring + 1) as f64;

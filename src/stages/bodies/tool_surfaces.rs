@@ -1,24 +1,24 @@
-//! Surfaces of a tool's housing that can be recognised by the axis and the bore of its cylinder.
+//! Recognises surfaces of a tool's housing by the axis and the bore of its cylinder.
 
 use nailnoise_meshes::{MeshError, SmoothFace, Surface, open_faces};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Dimensions that identify the surfaces of a tool. The axis of the cylinder is x = y = 0, z is up from the tip of the
-/// nose, and the handle points along +x.
+/// Dimensions by which the surfaces of a tool are recognised. The axis of the cylinder is x = y = 0, z points up from
+/// the tip of the nose, and the handle points along +x.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ToolShape {
     /// Radius of the bore \[m\].
     pub bore: f64,
 }
 
-/// How far the nodes of the bore may be off its radius, as a share of it.
+/// Maximum deviation of the bore's nodes from its radius, relative to the radius.
 const OFF_RADIUS: f64 = 0.05;
 
-/// Least component of the mean normal of a plane along its axis; flatter than the cosine of 2.5 degrees.
+/// Minimum axial component of the mean normal of a plane; it corresponds to 2.5 degrees.
 const PLANE: f64 = 0.999;
 
-/// Least mean component of the normals of a bore along the radius, inwards.
+/// Minimum mean inward radial component of the normals of a bore.
 const INWARD: f64 = 0.98;
 
 /// A smooth face with its extent around the axis.
@@ -28,9 +28,9 @@ struct Ring<'a> {
     radius: [f64; 2],
     /// Heights of its nodes \[m\].
     height: [f64; 2],
-    /// Mean component of its normals along the radius, outwards.
+    /// Mean outward radial component of its normals.
     radial: f64,
-    /// Whether it meets the open air.
+    /// Whether it is exposed to the open air.
     open: bool,
 }
 
@@ -46,13 +46,13 @@ impl ToolShape {
         "magazine",
     ];
 
-    /// The identified surfaces, by name, each with its faces of elements. The bore is a cylinder around the axis with
-    /// the piston's radius. The bumper's seat is the floor within it, the seat the annulus around its upper end. The
-    /// cap is the lowest ceiling above, the tip of the nose the lowest plane around the axis. The handle is the largest
-    /// outer face beyond half the reach along +x. The magazine has no distinctive shape.
+    /// The recognised surfaces, by name, each with its element faces. The bore is a cylinder around the axis with the
+    /// piston's radius. The bumper's seat is the floor inside it, and the seat is the annulus around its upper end. The
+    /// cap is the lowest ceiling above it, and the tip of the nose the lowest plane around the axis. The handle is the
+    /// largest outer face beyond half the reach along +x. The magazine has no distinctive shape.
     ///
     /// # Errors
-    /// Those of the surface.
+    /// The errors of the surface.
     pub(super) fn guesses(
         &self,
         surface: &Surface,

@@ -4,7 +4,7 @@ use nailnoise_acoustics::signals::fourier::RealTransform;
 use nailnoise_acoustics::signals::{Band, Weighting, band_containing, energy_weights};
 use nalgebra::Complex;
 
-/// The bands of a range, the first and the last cut at its ends \[Hz\].
+/// The bands of a range \[Hz\]; the first and the last are cut at its ends.
 pub(super) fn bands(range: [f64; 2]) -> Vec<[f64; 2]> {
     let inside = (band_containing(range[0]).index..)
         .map(Band::new)
@@ -14,28 +14,28 @@ pub(super) fn bands(range: [f64; 2]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The parts of bands within a range; parts outside have no width.
+/// The parts of bands inside a range; bands outside have zero width.
 pub(super) fn within(bands: &[[f64; 2]], [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
     let cut = |band: &[f64; 2]| band.map(|edge| edge.clamp(low, high.max(low)));
     bands.iter().map(cut).collect()
 }
 
-/// Weighted and plain energies of a density in each band: \[A, Z\].
+/// A-weighted and unweighted energy of a density in each band: \[A, Z\].
 pub(super) fn integrals(frequency: &[f64], density: &[f64], bands: &[[f64; 2]]) -> Vec<[f64; 2]> {
     Integration::new(frequency, bands).energies(density)
 }
 
-/// Integrals of densities on one grid of frequencies over bands, A-weighted and not.
+/// Integrates densities on a fixed frequency grid over bands, with and without A-weighting.
 pub(super) struct Integration {
-    /// First frequency of each band, and the weights from there on.
+    /// Index of the first frequency of each band, and the weights from there on.
     bands: Vec<(usize, Vec<[f64; 2]>)>,
 }
 
 impl Integration {
-    /// Over `bands` \[Hz\]; those without width have no energy.
+    /// Weights for `bands` \[Hz\]; those with zero width have no energy.
     pub(super) fn new(frequency: &[f64], bands: &[[f64; 2]]) -> Self {
         let of_band = |&[low, high]: &[f64; 2]| {
-            // One frequency beyond each end, whose hat function reaches into the band.
+            // One frequency beyond each end, whose hat function extends into the band.
             let first = frequency.partition_point(|hz| *hz <= low).saturating_sub(1);
             let end = (frequency.partition_point(|hz| *hz < high) + 1).min(frequency.len());
             let own = frequency.get(first..end).unwrap_or_default();
@@ -57,8 +57,8 @@ impl Integration {
     }
 }
 
-/// Spectra of signals of one length, padded to at least four times that length. The squared spectrum of a record is
-/// smooth between lines so close, and samples that a filter moves past one end do not return at the other.
+/// Spectra of signals with the same length, padded to at least four times that length. With lines this close, the
+/// squared spectrum of a record is smooth, and samples that a filter shifts past one end do not return at the other.
 pub(super) struct Spectra {
     rate: f64,
     transform: RealTransform,
@@ -67,7 +67,7 @@ pub(super) struct Spectra {
 }
 
 impl Spectra {
-    /// For signals of up to `samples` at `rate` \[1/s\].
+    /// Spectra of signals with up to `samples` at `rate` \[1/s\].
     pub(super) fn new(samples: usize, rate: f64) -> Self {
         let length = (4 * samples.max(8)).next_power_of_two();
         Self {
@@ -92,7 +92,7 @@ impl Spectra {
     }
 }
 
-/// One-sided density of the energy of lines, 2 |X|².
+/// One-sided energy density of lines, 2 |X|².
 pub(super) fn density(lines: &[Complex<f64>]) -> Vec<f64> {
     lines.iter().map(|x| 2.0 * x.norm_sqr()).collect()
 }

@@ -1,14 +1,14 @@
-//! Complete signals of a source: over one range for all sources, with the exposures that the levels state.
+//! Complete signals of a source: over the same range for all sources, with the exposures stated by the levels.
 //!
 //! ```text
 //! X_b = known exposure + exposure of the fading pressures + share of the power above
 //! F(f) = g_b [P(f) + N(f)],   g_b^2 = X_b / int_b 2 |P + N|^2 df
 //! ```
 //!
-//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. At
-//! known pressures, the factors g_b are 1 except for the effect of the ends of the record. At random signals (jets,
-//! noise above the known pressures), they scale the energy to the expected one. Frequencies outside the range are left
-//! out.
+//! P is the spectrum of the known signal, N that of the noise that continues it, and b a one-third-octave band. For
+//! known pressures, the factors g_b are 1 except for the effect of the ends of the record. For random signals (jets,
+//! noise above the known pressures), they scale the energy to the expected value. Frequencies outside the range are
+//! removed.
 
 use nalgebra::Complex;
 use rayon::prelude::*;
@@ -19,19 +19,19 @@ use super::{AtMicrophones, Heard, MicrophoneArray, SAMPLE_RATE};
 use crate::stages::apart::Apart;
 use crate::stages::sound::SoundSource;
 
-/// How often the factors are corrected for the loss where a signal is cut at the ends of the record.
+/// Number of passes that correct the factors for the energy lost when a signal is cut at the ends of the record.
 const PASSES: usize = 6;
 
-/// Exposures \[A, Z\] by band, and the signal, of each part at one receiver.
+/// Exposures \[A, Z\] by band, and signal, of each part at one receiver.
 type OfReceiver = (Vec<Vec<[f64; 2]>>, Vec<Vec<f64>>);
 
 impl MicrophoneArray {
-    /// The complete signals and exposures of a source, and of the part of it that counts to another source, if there is
-    /// one. The noise follows from the seed and the source's number.
+    /// The complete signals and exposures of a source, and of the part of it that is assigned to another source, if
+    /// any. The noise depends on the seed and the number of the source.
     ///
     /// Parts are continued and scaled like their sum, so that signals and exposures of parts sum to those of the
-    /// source, whichever source a part counts to. The signal of one part p_k among several has not its exposure, 2
-    /// Re(p_k conj p).
+    /// source, whichever source a part is assigned to. The exposure of one part p_k among several is 2 Re(p_k conj p),
+    /// not that of its own signal.
     #[must_use]
     pub fn complete(&self, heard: &Apart<Heard>, noise_seed: u32, number: u64) -> Apart<AtMicrophones> {
         let parts = heard.parts();
@@ -51,7 +51,7 @@ impl MicrophoneArray {
         let continuation = Continuation::new(&sources, &whole, [end, top]);
         let noise = continuation.as_ref().map(|continuation| {
             let length = (f64::from(SAMPLE_RATE), samples);
-            // Apart from the seeds of the jets, which are small numbers above the same multiple.
+            // Distinct from the seeds of the jets, which are small numbers above the same multiple.
             let seed = (u64::from(noise_seed) << 32) + (1 << 31);
             continuation.noise(&self.travel_times(), length, (seed, number))
         });
@@ -101,7 +101,8 @@ impl MicrophoneArray {
     }
 }
 
-/// Exposures \[A, Z\] of each part at a receiver, band by band: known, of pressures that fade, of their continuation.
+/// Exposures \[A, Z\] of each part at a receiver in each band: known, of pressures that fade, and of their
+/// continuation.
 fn exposures_of(
     known: &[&AtMicrophones],
     place: usize,
@@ -130,7 +131,7 @@ fn exposures_of(
     known.iter().zip(lines).zip(radiated).map(of_part).collect()
 }
 
-/// Energies \[A, Z\] of a source that noise represents, band by band \[J\].
+/// Energies \[A, Z\] of a source in each band that noise represents \[J\].
 fn radiated_above(source: &SoundSource, continuation: Option<&Continuation<'_>>, above: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let Some(continuation) = continuation else {
         return vec![[0.0; 2]; above.len()];
@@ -141,7 +142,7 @@ fn radiated_above(source: &SoundSource, continuation: Option<&Continuation<'_>>,
     integrals(&spectrum.frequency, &risen, above)
 }
 
-/// Share of each part in the noise of the source, band by band: that of its energy, of either sign.
+/// Fraction of each part in the noise of the source, for each band: that of its energy, which may have either sign.
 fn shares_of_parts(radiated: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
     let share = |own: f64, band: usize| {
         let whole: f64 = radiated.iter().map(|part| part[band][1]).sum();
@@ -151,8 +152,8 @@ fn shares_of_parts(radiated: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
     radiated.iter().map(of_part).collect()
 }
 
-/// The signals of parts with these lines, scaled so that their sum, cut at the ends of the record, has the energies
-/// `target` in the bands. Outside the bands it has only the energy that the cut adds.
+/// The signals of parts with these lines, scaled in such a way that their sum, cut at the ends of the record, has the
+/// energies `target` in the bands. Outside the bands, it has only the energy added by the cut.
 fn scaled(
     spectra: &Spectra,
     lines: &[Vec<Complex<f64>>],
@@ -181,7 +182,7 @@ fn scaled(
     lines.iter().map(|own| cut(own, &factors)).collect()
 }
 
-/// Calls a function with each line that lies in a band, and the band's number.
+/// Calls a function for each line inside a band, with the band's number.
 fn each_band(frequency: &[f64], bands: &[[f64; 2]], mut call: impl FnMut(usize, usize)) {
     let (mut band, mut line) = (0, 0);
     while line < frequency.len() && band < bands.len() {
@@ -232,7 +233,7 @@ mod tests {
         assert_eq!(found, (5..=1000).collect::<Vec<_>>());
     }
 
-    /// Decaying sines, far from the ends of the bands and at them, cut by the end of the record.
+    /// Decaying sines inside the bands and at their ends, cut by the end of the record.
     #[test]
     fn a_scaled_signal_has_the_energies_asked_for_in_each_band_and_none_outside() {
         let (rate, samples) = (48_000.0, 14_400);

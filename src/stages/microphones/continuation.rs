@@ -12,26 +12,26 @@ use super::bands::density;
 use super::noise::under_envelope;
 use crate::stages::sound::SoundSource;
 
-/// Octaves below the end of the known pressures over which the directivity is taken.
+/// Number of octaves below the end of the known pressures from which the directivity is taken.
 const DIRECTIVITY_OCTAVES: f64 = 1.0;
 
-/// The known quantity of a source above its pressures (beyond the boundary elements): only its power.
+/// Continuation of a source above its known pressures (above the boundary elements), where only its power is known.
 ///
-/// Gaussian noise of the power's density under the power history takes over where the pressures fade, over
-/// [`FADE_OCTAVES`]. Each receiver gets the share of the power that it receives in the octave below. Waveforms and
-/// peaks of it are one choice among many; its energies are those of the power.
+/// Gaussian noise with the density of the power and its history over time replaces the pressures where they fade, over
+/// [`FADE_OCTAVES`]. Each receiver gets the same fraction of the power as in the octave below. Its waveforms and peaks
+/// are one choice among many; its energies are those of the power.
 pub(crate) struct Continuation<'a> {
     /// The parts of the source, whose energies sum to its own.
     parts: &'a [&'a SoundSource],
     /// End of the known pressures \[Hz\].
     end: f64,
-    /// Exposure at each receiver over the energy radiated \[Pa² s/J\].
+    /// Ratio of the exposure at each receiver to the radiated energy \[Pa² s/J\].
     pub(super) shares: Vec<f64>,
 }
 
 impl<'a> Continuation<'a> {
-    /// Of a source whose `signals` at each receiver, at [`SAMPLE_RATE`], are known up to `end`; none if they reach
-    /// `top`, or the source radiates nothing between.
+    /// The continuation of a source whose `signals` at each receiver, at [`SAMPLE_RATE`], are known up to `end`. `None`
+    /// if they extend to `top`, or if the source radiates nothing in between.
     pub(crate) fn new(parts: &'a [&'a SoundSource], signals: &[Vec<f64>], [end, top]: [f64; 2]) -> Option<Self> {
         let radiated = |range| -> f64 { parts.iter().map(|part| part.spectrum.energy(range, Weighting::Z)).sum() };
         if end >= top * (1.0 - 1e-9) || radiated([end, top]) <= 0.0 {
@@ -45,14 +45,14 @@ impl<'a> Continuation<'a> {
         })
     }
 
-    /// The part of the power that is noise, which rises as the power of the known pressures fades \[-\].
+    /// Fraction of the power that is noise; it rises as that of the known pressures falls \[-\].
     pub(super) fn risen(&self, hz: f64) -> f64 {
         let fading = ((hz / self.end).log2() / FADE_OCTAVES).clamp(0.0, 1.0);
         (0.5 * PI * fading).sin().powi(2)
     }
 
-    /// The noise at each receiver, whose `travel` times from the source are given \[s\], at any `rate` \[1/s\] from the
-    /// trigger on \[Pa\].
+    /// The noise at each receiver from the trigger on \[Pa\], at any `rate` \[1/s\]; `travel` are the travel times from
+    /// the source \[s\].
     pub(crate) fn noise(
         &self,
         travel: &[f64],
@@ -70,7 +70,7 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// Exposure at each receiver over the energy radiated in the same range \[Pa² s/J\].
+/// Ratio of the exposure at each receiver to the energy radiated in the same range \[Pa² s/J\].
 fn shares(signals: &[Vec<f64>], range: [f64; 2], radiated: f64) -> Vec<f64> {
     let rate = f64::from(SAMPLE_RATE);
     let longest = signals.iter().map(Vec::len).max().unwrap_or(0);
@@ -90,12 +90,12 @@ fn shares(signals: &[Vec<f64>], range: [f64; 2], radiated: f64) -> Vec<f64> {
     signals.par_iter().map(exposure).collect()
 }
 
-/// Power of a source over time, one value a sample, delayed by a travel time.
+/// Power of a source over time, one value per sample, delayed by a travel time.
 fn envelope(histories: &[&PowerHistory], travel: f64, rate: f64, samples: usize) -> Vec<f64> {
     let at = |time: f64| -> f64 {
         let of = |history: &&PowerHistory| {
             let cell = (time - history.start) / history.sample_interval;
-            // Cells lie around their instants.
+            // Cells are centred on their instants.
             let cell = (cell + 0.5).floor();
             if cell < 0.0 {
                 0.0
@@ -108,7 +108,7 @@ fn envelope(histories: &[&PowerHistory], travel: f64, rate: f64, samples: usize)
     (0..samples).map(|n| at(n as f64 / rate - travel)).collect()
 }
 
-/// A sum where a part that is subtracted and added again leaves nothing (Neumaier 1974).
+/// A compensated sum, in which a part that is subtracted and added again leaves nothing (Neumaier 1974).
 fn compensated(values: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
     for value in values {
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn the_share_of_a_receiver_is_its_exposure_over_the_energy() {
-        // A sine of 2 Pa over half a second: 1 Pa² s.
+        // A sine of 2 Pa over half a second has an exposure of 1 Pa² s.
         let sample = |n: i32| 2.0 * (2.0 * PI * 1000.0 * f64::from(n) / 48e3).sin();
         let signal: Vec<f64> = (0..24_000).map(sample).collect();
         let found = shares(&[signal], [500.0, 2000.0], 4.0);

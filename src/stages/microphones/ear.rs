@@ -13,10 +13,10 @@ use crate::error::Error;
 use crate::result::{EarReport, SourceLoudness, TOTAL};
 
 impl MicrophoneArray {
-    /// Levels at the ear, the last receiver, of sources whose signals are complete.
+    /// Levels at the ear, which is the last receiver, from sources whose signals are complete.
     ///
     /// # Errors
-    /// Pressures that are not finite.
+    /// If pressures are not finite.
     pub(super) fn at_ear(&self, sources: &[AtMicrophones]) -> Result<EarReport, Error> {
         let ears = || {
             sources
@@ -36,7 +36,7 @@ impl MicrophoneArray {
         let sounds: Vec<(&str, &Vec<f64>)> = sounds.chain([(TOTAL, &signal)]).collect();
         let loudness = sounds.into_par_iter().map(|(source, own)| loudness(source, own));
         let peak_db = peak_level(&signal, 1.0 / f64::from(SAMPLE_RATE), Weighting::C)?;
-        // The peak of a pulse needs the phases of the full range.
+        // The peak of a pulse requires the phases over the complete range.
         let lacking = |source: &AtMicrophones| {
             let [low, high] = self.range_hz;
             match source.phases_to_hz {
@@ -73,7 +73,7 @@ impl MicrophoneArray {
     }
 }
 
-/// Loudness of a pressure signal; unknown above the levels of the standard.
+/// Loudness of a pressure signal; unknown above the levels that the standard covers.
 fn loudness(source: &str, signal: &[f64]) -> Result<SourceLoudness, Error> {
     let history = match time_varying(signal, SoundField::Free) {
         Ok(history) => Some(history),

@@ -24,18 +24,18 @@ pub(crate) use continuation::Continuation;
 use received::{Received, SourcePart};
 pub use sources::{JetOutlet, ToolSphere};
 
-/// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
-/// replaces the impedance of air in L_W = L_p + 10 lg S.
+/// Ratio of the reference exposure (20 uPa)² s to the reference energy 1 pW s and the reference area 1 m²: 400 Pa s/m,
+/// which replaces the impedance of air in L_W = L_p + 10 lg S.
 const REFERENCE: f64 = 400.0;
 
 /// Sampling rate of the sound files \[1/s\].
 pub(crate) const SAMPLE_RATE: u32 = 48_000;
 
-/// Length of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the
+/// Duration of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the
 /// range.
 const TAIL: f64 = 0.05;
 
-/// Longest sound file \[s\].
+/// Maximum duration of a sound file \[s\].
 const LONGEST: f64 = 2.0;
 
 /// The microphones around a device above a reflecting plane.
@@ -43,11 +43,12 @@ const LONGEST: f64 = 2.0;
 pub struct MicrophoneArray {
     /// The ambient air.
     pub air: Air,
-    /// Foot of the device's axis on the base plane of the measurement surface, in the coordinates of the bodies \[m\].
+    /// Point where the device's axis meets the base plane of the measurement surface, in the coordinates of the bodies
+    /// \[m\].
     pub foot: [f64; 3],
-    /// Height of the plane that reflects, not below that foot, in the same coordinates \[m\].
+    /// Height of the reflecting plane, not below that point, in the same coordinates \[m\].
     pub reflecting_plane: f64,
-    /// Height of the device's centre above the foot \[m\].
+    /// Height of the device's centre above that point \[m\].
     pub centre_height: f64,
     /// The operator's ear, in the same coordinates \[m\].
     pub ear: [f64; 3],
@@ -58,35 +59,34 @@ pub struct MicrophoneArray {
 /// The room of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Room {
-    /// Equivalent absorption area \[m²\]; 0 in the free field over the plane.
+    /// Equivalent absorption area \[m²\]; 0 for a free field over the plane.
     pub absorption: f64,
-    /// A-weighted level of the background noise \[dB re 20 uPa\]; 0 without background.
+    /// A-weighted level of the background noise \[dB re 20 uPa\]; 0 for no background noise.
     pub background_level: f64,
 }
 
 /// Sound of a source, or of a part of one, at the microphones and then at the operator's ear. The energies of a part
 /// may have either sign.
 ///
-/// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to
-/// the top of the range of comparison.
+/// Stages that make sources give the sound as far as its pressures are known; [`MicrophoneArray::complete`] continues
+/// it to the top of the common range.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AtMicrophones {
     /// Name of the source.
     pub source: String,
-    /// How its sound is carried to a place.
+    /// How its sound is propagated to a receiver.
     pub how: String,
     /// Frequencies over which it is received and compared \[Hz\].
     pub range_hz: [f64; 2],
-    /// Frequency up to which its signals follow the phases of the model \[Hz\]; phases above are drawn or chosen.
+    /// Frequency up to which its signals have the phases of the model \[Hz\]; phases above are drawn or chosen.
     pub phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, see [`ReceivedSource`].
     pub interpolation_error: Option<f64>,
-    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the range of comparison
-    /// \[Pa² s\].
+    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the common range \[Pa² s\].
     pub exposures: Vec<Vec<[f64; 2]>>,
     /// A-weighted and unweighted energy radiated over `range_hz` in each of these bands \[J\].
     pub radiated: Vec<[f64; 2]>,
-    /// Its pressure at 48 kHz from the trigger on, receiver by receiver \[Pa\].
+    /// Its pressure at 48 kHz from the trigger on, for each receiver \[Pa\].
     pub signals: Vec<Vec<f64>>,
 }
 
@@ -99,7 +99,7 @@ pub struct Heard {
     pub received: AtMicrophones,
 }
 
-/// A-weighted and unweighted sum over bands.
+/// Sum of A-weighted and unweighted values over bands.
 fn over_bands(bands: &[[f64; 2]]) -> [f64; 2] {
     bands.iter().fold([0.0; 2], |[a, z], band| [a + band[0], z + band[1]])
 }
@@ -115,8 +115,8 @@ impl AtMicrophones {
         self.exposures.len() - 1
     }
 
-    /// Energies by the microphones, the mean exposure over a surface of this area as the power that an impedance of 400
-    /// Pa s/m makes of it, A-weighted and unweighted in each band \[J\].
+    /// Energies from the microphones in each band, A-weighted and unweighted \[J\]: the mean exposure over a surface of
+    /// this area, converted with an impedance of 400 Pa s/m.
     fn measured(&self, area: f64) -> Vec<[f64; 2]> {
         let scale = area / (REFERENCE * self.microphones() as f64);
         let mean = |band: usize| {
@@ -128,7 +128,7 @@ impl AtMicrophones {
         (0..self.radiated.len()).map(mean).collect()
     }
 
-    /// Its levels in the bands of the range of comparison, by a surface of this area.
+    /// Its levels in the bands of the common range, for a surface of this area.
     fn levels(&self, bands: &[[f64; 2]], area: f64) -> ReceivedSource {
         let measured = self.measured(area);
         let [low, high] = self.range_hz;
@@ -170,8 +170,8 @@ impl AtMicrophones {
         }
     }
 
-    /// The source with `factor` times a part: 1 for one that counts to it, -1 for one that does not. Each part retains
-    /// the range over which it is received.
+    /// The source plus `factor` times a part: 1 for a part that is assigned to it, -1 for one that is not. Each part
+    /// keeps the range over which it is received.
     #[must_use]
     pub fn with(&self, part: &Self, factor: f64) -> Self {
         let add = |own: &mut [[f64; 2]], other: &[[f64; 2]]| {
@@ -203,12 +203,11 @@ impl AtMicrophones {
 /// Levels and signals of all sources at the microphones.
 #[derive(Debug, Clone)]
 pub struct Microphones {
-    /// Levels, and how they compare with the power radiated.
+    /// Levels, compared with the radiated power.
     pub report: MicrophoneReport,
     /// Levels at the operator's ear.
     pub ear: EarReport,
-    /// Pressure at 48 kHz from the trigger on, source by source and of all of them (`total`), microphone by microphone
-    /// \[Pa\].
+    /// Pressure at 48 kHz from the trigger on, for each source and their sum (`total`) and each microphone \[Pa\].
     pub signals: Vec<(String, Vec<Vec<f64>>)>,
 }
 
@@ -223,7 +222,7 @@ impl MicrophoneArray {
         self.surface().positions_around(self.foot.into())
     }
 
-    /// Receivers of sound: the microphones, then the operator's ear \[m\].
+    /// Positions of the receivers: the microphones, then the operator's ear \[m\].
     fn receivers(&self) -> Vec<Point3<f64>> {
         let mut all = self.positions();
         all.push(self.ear.into());
@@ -238,7 +237,7 @@ impl MicrophoneArray {
         self.receivers().iter().map(time).collect()
     }
 
-    /// Energies of a source at the microphones, over the range where all sources are compared.
+    /// Energies of a source at the microphones, over the common range of all sources.
     fn received(&self, received: Received<'_>) -> AtMicrophones {
         let [low, high] = self.range_hz;
         let range = received.range.map(|end| end.clamp(low, high));
@@ -265,10 +264,10 @@ impl MicrophoneArray {
         }
     }
 
-    /// Levels and signals of every source and of all together; sources are complete, see [`Self::complete`].
+    /// Levels and signals of every source and of their sum; the sources must be complete, see [`Self::complete`].
     ///
     /// # Errors
-    /// Those of the standard's corrections; signals that are not finite.
+    /// The errors of the standard's corrections; signals that are not finite.
     pub fn measurement(&self, room: &Room, all: &[AtMicrophones]) -> Result<Microphones, Error> {
         let surface = self.surface();
         let positions = surface.positions();
@@ -307,7 +306,7 @@ impl MicrophoneArray {
     }
 }
 
-/// Levels of the sound of all sources together, whose pressures add.
+/// Levels of the sum of all sources, whose pressures are added.
 fn together(signals: &[Vec<f64>], bands: &[[f64; 2]]) -> Vec<MicrophoneLevel> {
     let samples = signals.iter().map(Vec::len).max().unwrap_or(0);
     let spectra = Spectra::new(samples, f64::from(SAMPLE_RATE));
@@ -324,7 +323,7 @@ fn together(signals: &[Vec<f64>], bands: &[[f64; 2]]) -> Vec<MicrophoneLevel> {
     signals.iter().map(level).collect()
 }
 
-/// All sources at once by the procedure of ISO 3744, in a room with background noise.
+/// All sources together by the procedure of ISO 3744, in a room with background noise.
 fn by_iso_3744(
     room: &Room,
     air: &Air,
@@ -332,7 +331,7 @@ fn by_iso_3744(
     sources: &[AtMicrophones],
     levels: Vec<MicrophoneLevel>,
 ) -> Result<ArrayMeasurement, Error> {
-    // Those of the levels that the result gives of each source.
+    // Rounded like the levels that the result states for each source.
     let rounded = |energy: f64| {
         if energy < 0.0 {
             energy
@@ -354,7 +353,7 @@ fn by_iso_3744(
     } else {
         (0.0, 0.0)
     };
-    // A steady level is its own exposure level over 1 s.
+    // The exposure level of a steady sound over 1 s is its level.
     let background = if room.background_level > 0.0 {
         level_energy(Some(room.background_level)) * area
     } else {
@@ -386,7 +385,7 @@ fn peak(signal: &[f64]) -> f64 {
     signal.iter().fold(0.0, |peak: f64, p| peak.max(p.abs()))
 }
 
-/// The smallest of 1, 2, 5, 10 ... above a peak, from 1e-3 on, in its unit.
+/// The smallest of 1, 2, 5, 10 ... above a peak, starting at 1e-3, in the unit of the peak.
 pub(crate) fn full_scale(peak: f64) -> f64 {
     let steps = (-3..9).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
     steps.into_iter().find(|scale| *scale > peak).unwrap_or(peak.max(1.0))

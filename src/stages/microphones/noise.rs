@@ -1,4 +1,4 @@
-//! Gaussian noise of a given density, steady or under a power history.
+//! Gaussian noise with a given density, steady or with a power history.
 
 use std::f64::consts::TAU;
 
@@ -6,14 +6,14 @@ use nailnoise_acoustics::random::uniform;
 use nailnoise_acoustics::signals::fourier::RealTransform;
 use nalgebra::Complex;
 
-/// A standard normal number for a place of a sequence (Box and Muller 1958).
+/// A standard normal number for a position in a sequence (Box and Muller 1958).
 pub(crate) fn normal(seed: u64, first: u64, second: u64) -> f64 {
     let (u, v) = (uniform(seed, first, 2 * second), uniform(seed, first, 2 * second + 1));
     (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
 }
 
-/// Noise whose expected energy has the one-sided density `density(hz)` \[unit2 s/Hz\], under an `envelope` of power
-/// over time (one value a sample, its scale does not matter) at `rate` \[1/s\]; silent where the envelope is.
+/// Noise whose expected energy has the one-sided density `density(hz)` \[unit2 s/Hz\], modulated by an `envelope` of
+/// power over time (one value per sample at `rate` \[1/s\], in any scale); silent where the envelope is zero.
 pub(crate) fn under_envelope(
     envelope: &[f64],
     rate: f64,
@@ -50,13 +50,13 @@ mod tests {
 
     #[test]
     fn noise_has_the_energy_of_its_density() {
-        // 2e-3 unit2 s/Hz between 1 and 3 kHz: an energy of 4 unit2 s.
+        // 2e-3 unit2 s/Hz between 1 and 3 kHz give an energy of 4 unit2 s.
         let rate = 16_000.0;
         let envelope = vec![1.0; 16_000];
         let density = |hz: f64| if (1000.0..3000.0).contains(&hz) { 2e-3 } else { 0.0 };
         let noise = under_envelope(&envelope, rate, density, (1, 2));
         let energy: f64 = noise.iter().map(|x| x * x / rate).sum();
-        // Two thousand lines of an exponential distribution: 2.2 % standard deviation.
+        // Two thousand lines with an exponential distribution have a standard deviation of 2.2 %.
         assert!((energy / 4.0 - 1.0).abs() < 0.07, "{energy}");
     }
 

@@ -8,7 +8,6 @@ use nailnoise_acoustics::radiation::radiator::Pressures;
 use nailnoise_acoustics::radiation::sound::{omnidirectional_transfer, oscillating_sphere_pressure};
 use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::signals::{ChirpTransform, PowerSignals, SourceSpectrum};
-use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,21 +15,22 @@ use serde::Serialize;
 use super::received::{Received, SourcePart};
 use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
 use crate::error::Error;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::sound::Sound;
 
-/// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
+/// Number of azimuths of the exhaust's jets; enough for the mean over them to equal that over all.
 const AZIMUTHS: usize = 12;
 
-/// Places where the exhaust's jets leave the tool, and their directions.
+/// Position where the exhaust's jets leave the tool, and their direction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JetOutlet {
     /// Position \[m\].
     pub position: [f64; 3],
-    /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood \[-\].
+    /// Fraction of the jets' thrust that acts on the tool along the driving direction, positive towards the wood \[-\].
     pub thrust_share: f64,
 }
 
-/// The tool as the sphere of its volume.
+/// The sphere with the volume of the tool.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ToolSphere {
     /// Its centre \[m\].
@@ -40,22 +40,22 @@ pub struct ToolSphere {
 }
 
 impl MicrophoneArray {
-    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; `end` is that
-    /// of all records \[s\].
+    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; all records end
+    /// at `end` \[s\].
     ///
     /// # Errors
-    /// Those of the levels.
+    /// The errors of the levels.
     pub fn pressures(&self, found: &Pressures, radiated: &SourceSpectrum, end: f64) -> Result<AtMicrophones, Error> {
         let exposure = self.reflected(found).map(|p| 2.0 * p.norm_sqr());
         self.of_pressures(found, exposure, radiated, end)
     }
 
     /// Sound of a part of a source from the pressures of the source and of the part at the same places and frequencies.
-    /// Exposures are 2 Re(p_i conj p), of either sign, and their sum over all parts is that of the source; signals are
-    /// those of p_i.
+    /// Exposures are 2 Re(p_i conj p), which may have either sign and sum to that of the source over all parts; signals
+    /// are those of p_i.
     ///
     /// # Errors
-    /// Those of the levels.
+    /// The errors of the levels.
     pub fn part(
         &self,
         whole: &Pressures,
@@ -68,8 +68,8 @@ impl MicrophoneArray {
         self.of_pressures(part, exposure, radiated, end)
     }
 
-    /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones'
-    /// images.
+    /// Pressures at the microphones, including those reflected from the plane, which are the pressures at the
+    /// microphones' images.
     fn reflected(&self, found: &Pressures) -> DMatrix<Complex<f64>> {
         let (values, places) = (&found.values, self.receivers().len());
         if values.nrows() == 2 * places {
@@ -111,10 +111,10 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of a source without directivity, all of its signals from one point; `end` is that of all records \[s\].
+    /// Sound of a source without directivity, radiated from one point; all records end at `end` \[s\].
     ///
     /// # Errors
-    /// A microphone at the point; those of the levels.
+    /// A microphone at the point; the errors of the levels.
     pub fn spread_evenly(&self, centre: [f64; 3], source: &Sound, end: f64) -> Result<AtMicrophones, Error> {
         let receivers = Receivers::new(self, end);
         let spread = |(_, signals): &(&str, PowerSignals)| receivers.spread(centre.into(), signals);
@@ -131,15 +131,15 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the tool as an oscillating sphere, the vibration of its housing omnidirectional; `end` is that of all
-    /// records \[s\].
+    /// Sound of the tool as an oscillating sphere, with omnidirectional vibration of its housing; all records end at
+    /// `end` \[s\].
     ///
     /// # Errors
-    /// A microphone inside the sphere; those of the transform and levels.
+    /// A microphone inside the sphere; the errors of the transform and levels.
     pub fn oscillating_sphere(
         &self,
         sphere: &ToolSphere,
-        record: &CycleRecord,
+        record: &ShotRecord,
         source: &Sound,
         end: f64,
     ) -> Result<AtMicrophones, Error> {
@@ -149,11 +149,11 @@ impl MicrophoneArray {
             range_hz: self.range_hz,
             ..TransformSettings::default()
         };
-        let acceleration = &record.tool.acceleration;
+        let acceleration = record.tool_acceleration();
         let transform = Transform::new(acceleration.len(), record.sample_interval, &settings)?;
         let (frequency, motion) = (transform.frequencies(), transform.apply(acceleration)?);
         let mut pressures = DMatrix::zeros(receivers.positions.len(), frequency.len());
-        // The cycle counts downwards.
+        // The cycle counts downwards as positive.
         let down = -Vector3::z();
         let plane = Some(self.reflecting_plane);
         for (mut row, place) in pressures.row_iter_mut().zip(&receivers.positions) {
@@ -178,7 +178,7 @@ impl MicrophoneArray {
                 "oscillating sphere"
             },
             range,
-            // The vibration has an energy at each frequency, and no phases.
+            // Of the vibration, only the energy at each frequency is known, not the phases.
             phases_to_hz: range[usize::from(!spread)],
             interpolation_error: None,
             parts,
@@ -186,11 +186,11 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the
-    /// point source of the outflow; `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
+    /// Sound of the exhaust's openings, numbered from `first`: jets in all directions around the tool's top, and the
+    /// point source of the outflow. All records end at `end` \[s\]; `noise_seed` is the seed of the jets' noise.
     ///
     /// # Errors
-    /// A microphone at the outlet; those of the levels.
+    /// A microphone at the outlet; the errors of the levels.
     pub fn exhaust(
         &self,
         outlet: &JetOutlet,
@@ -234,7 +234,7 @@ impl MicrophoneArray {
             radiated,
             how: "jets all around the tool's top",
             range: radiated.range_hz,
-            // Jets are random, and each signal is a draw of them.
+            // Jets are random, so each signal is one draw.
             phases_to_hz: radiated.range_hz[1],
             interpolation_error: None,
             parts,
@@ -243,7 +243,7 @@ impl MicrophoneArray {
     }
 }
 
-/// The array's positions with the ear, and the length of its records.
+/// The array's positions including the ear, and the length of its records.
 struct Receivers<'a> {
     air: &'a Air,
     positions: Vec<Point3<f64>>,
@@ -292,12 +292,13 @@ impl<'a> Receivers<'a> {
     }
 }
 
-/// Samples of a signal for a shot whose records last until `end` \[s\].
+/// Number of samples of a signal for a shot whose records last until `end` \[s\].
 pub(super) fn samples(end: f64) -> usize {
     ((end + TAIL).min(LONGEST) * f64::from(SAMPLE_RATE)).ceil() as usize
 }
 
-/// Directions of jets at equal azimuths, inclined upwards so that their mean thrust on the tool is `thrust_share`.
+/// Directions of jets at equally spaced azimuths, inclined upwards so that the fraction of their mean thrust on the
+/// tool is `thrust_share`.
 fn jets(thrust_share: f64) -> Vec<[f64; 3]> {
     let around = (1.0 - thrust_share * thrust_share).max(0.0).sqrt();
     if around < 1e-6 {
@@ -310,7 +311,7 @@ fn jets(thrust_share: f64) -> Vec<[f64; 3]> {
     (0..AZIMUTHS).map(direction).collect()
 }
 
-/// Sum of the parts' signals, microphone by microphone.
+/// Sum of the parts' signals for each microphone.
 fn sum(parts: Vec<Vec<Vec<f64>>>, samples: usize) -> Vec<Vec<f64>> {
     let mut parts = parts.into_iter();
     let mut sum = parts.next().unwrap_or_default();

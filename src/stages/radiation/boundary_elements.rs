@@ -11,33 +11,35 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
 pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 
-/// A mode that radiates less than this share of the best radiator is interpolated as accurately as that share requires.
+/// Modes that radiate less than this fraction of the best radiator are interpolated only as accurately as a mode at
+/// this fraction.
 const FLOOR: f64 = 1e-2;
 
-/// Most frequencies of one range. A narrow resonance, such as those of the air between a table and the floor, takes
-/// about fifty.
+/// Maximum number of frequencies in one range. A narrow resonance, such as that of the air between a table and the
+/// floor, takes about fifty.
 const MOST_SAMPLES: usize = 400;
 
-/// Most panels of a user's mesh that is made finer at the rims of thin gaps; beyond them panels at the rims are wider.
-/// A compressed matrix of so many panels takes about a minute a frequency.
+/// Maximum number of panels of a user's mesh refined at the rims of thin gaps; above it, panels at the rims are wider.
+/// A compressed matrix of this size takes about a minute per frequency.
 pub(super) const MOST_AT_GAPS: usize = 20_000;
 
-/// How finely boundary elements resolve space and frequency.
+/// Resolution of boundary elements in space and frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Resolution {
-    /// Highest single frequency of boundary elements in standard air \[Hz\].
+    /// Highest frequency of boundary elements solved at single frequencies, in standard air \[Hz\].
     pub top_hz: f64,
-    /// Upper end of boundary elements in the mean over frequency, in standard air \[Hz\]; without it half an octave
-    /// above single frequencies.
+    /// Upper end of boundary elements for means over frequency, in standard air \[Hz\]; by default half an octave above
+    /// single frequencies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_top_hz: Option<f64>,
     /// Panels per wavelength.
     pub panels: f64,
-    /// How the equations are stored and solved.
+    /// Solver of the equations.
     #[serde(skip_serializing_if = "EquationSolver::is_auto")]
     pub equations: EquationSolver,
     /// Tolerance of the interpolation over frequency, relative to sqrt(R_ii R_jj).
@@ -45,7 +47,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// A surface in motion, solved with this resolution up to a frequency \[Hz\].
+    /// A moving surface, meshed with this resolution up to a frequency \[Hz\].
     pub(super) fn range(
         &self,
         boundary: Boundary,
@@ -74,7 +76,7 @@ impl Resolution {
             .map_or(self.top_hz, |mean_top| mean_top.max(self.top_hz))
     }
 
-    /// Finer meshes of the means above the highest single frequency of a body \[Hz\], each made by `mesh` for a
+    /// Finer meshes for the means above the highest single frequency of a body \[Hz\]; `mesh` makes each of them for a
     /// frequency.
     pub(super) fn mean_ranges<E>(
         &self,
@@ -89,17 +91,17 @@ impl Resolution {
     }
 }
 
-/// The places at which the pressure of every mode is wanted, in the coordinates of the body \[m\].
+/// The positions at which the pressure of every mode is computed, in the coordinates of the body \[m\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Places {
-    /// The microphones, followed by their images in the reflecting plane if that is not part of the equations.
+    /// The microphones, followed by their images in the reflecting plane if the plane is not included in the equations.
     pub points: Vec<[f64; 3]>,
-    /// The middle of the body.
+    /// The centre of the body.
     pub origin: [f64; 3],
 }
 
 impl Places {
-    /// Microphones, with their images in a plane at a height if the plane is not part of the equations.
+    /// Microphones, with their images in a plane at this height if the plane is not included in the equations.
     pub fn new(microphones: impl Iterator<Item = Point3<f64>>, image_in: Option<f64>, middle: f64) -> Self {
         let mut points: Vec<[f64; 3]> = microphones.map(Into::into).collect();
         if let Some(plane) = image_in {
@@ -113,14 +115,14 @@ impl Places {
         }
     }
 
-    /// Checks that they maintain their distance from the surfaces of meshes.
+    /// Checks that they keep the required distance from the surfaces of meshes.
     ///
     /// # Errors
-    /// [`Error::MicrophoneNearSurface`].
+    /// [`BodyError::MicrophoneNearSurface`].
     pub(super) fn check(&self, meshes: &[MeshRange]) -> Result<(), Error> {
         let receivers = self.receivers();
         let checked = meshes.iter().try_for_each(|mesh| receivers.check(&mesh.problem));
-        checked.map_err(|cause| Error::MicrophoneNearSurface { cause })
+        checked.map_err(|cause| BodyError::MicrophoneNearSurface { cause }.into())
     }
 
     pub(super) fn receivers(&self) -> Receivers {
@@ -139,10 +141,10 @@ pub struct Solution {
     pub surface: SurfacePressures,
 }
 
-/// The meshes of a body, and about how often each of them is solved.
+/// The meshes of a body, and the approximate number of solutions on each.
 pub(super) struct MeshRanges {
     pub(super) levels: Vec<MeshRange>,
-    /// Number of frequencies that are solved on each mesh, about.
+    /// Approximate number of frequencies that are solved on each mesh.
     pub(super) solves: Vec<f64>,
     /// Means above single frequencies, and their meshes.
     pub(super) means: MeanRanges,
@@ -165,8 +167,8 @@ impl MeshRanges {
         meshes.map(|(_, bands)| MeanBands::samples(bands) as f64).collect()
     }
 
-    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: only for more
-    /// than `few`.
+    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them, which is done
+    /// only for more than `few`.
     fn all(&self, few: f64) -> impl Iterator<Item = (&MeshRange, f64, bool)> {
         let alone = self.levels.len() == 1;
         let single = self.levels.iter().zip(&self.solves);
@@ -175,7 +177,7 @@ impl MeshRanges {
         single.chain(means.map(|(mesh, solves)| (mesh, solves, false)))
     }
 
-    /// Processor time \[s\], about.
+    /// Approximate processor time \[s\].
     fn seconds(&self, few: f64) -> f64 {
         let of_mesh = |(mesh, solves, stored): (&MeshRange, f64, bool)| {
             let estimate = mesh.problem.estimate();
@@ -185,8 +187,8 @@ impl MeshRanges {
         self.all(few).map(of_mesh).sum()
     }
 
-    /// Approximate peak of memory \[GB\]: as many frequencies as there are threads on the most expensive mesh, plus the
-    /// stored integrals and the velocities of all modes on all meshes.
+    /// Approximate peak memory \[GB\]: one frequency per thread on the most expensive mesh, plus the stored integrals
+    /// and the velocities of all modes on all meshes.
     fn gigabytes(&self, few: f64) -> f64 {
         let threads = rayon::current_num_threads() as f64;
         let of_mesh =
@@ -197,13 +199,13 @@ impl MeshRanges {
             let values = |patterns: &Patterns| 8.0 * patterns.velocities.len() as f64;
             mesh.patterns.iter().map(values).sum::<f64>()
         };
-        // Pressures on the surface are stored in 4 bytes.
+        // Pressures on the surface are stored in single precision.
         let pressures = |(mesh, solves): (&MeshRange, &f64)| {
             let modes = mesh.motions();
             4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
         };
         let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
-        // Two neighbouring meshes store equations at the same time; the last of several stores none.
+        // Two adjacent meshes store equations at the same time; the last of several stores none.
         let sampled = self.levels.iter().take(self.levels.len().max(2) - 1);
         let equations = sampled.map(|mesh| mesh.problem.bytes_of_kept_equations(patterns(mesh)));
         let (both, _) = equations.fold((0.0, 0.0), |(most, last): (f64, f64), own| (most.max(last + own), own));
@@ -211,14 +213,14 @@ impl MeshRanges {
         1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>() + kept)
     }
 
-    /// The thin gap of the largest error on any of the meshes.
+    /// The thin gap with the largest error on any of the meshes.
     fn worst_gap(&self) -> Option<Gap> {
         let meshes = self.levels.iter().chain(&self.means.finer);
         let gaps = meshes.filter_map(|mesh| Gaps::of(mesh.problem.boundary()).worst());
         gaps.max_by(|a, b| a.mass_error().total_cmp(&b.mass_error()))
     }
 
-    /// Announces the computation before any time is spent.
+    /// Announces the computation before it starts.
     pub(super) fn note(&self, body: &str, few: f64, progress: &Progress) {
         let Some(finest) = self.finest() else { return };
         let bands = MeanBands::new(finest.top_hz, self.means.to_hz);
@@ -260,7 +262,7 @@ impl MeshRanges {
     /// Solves the meshes and interpolates over frequency.
     ///
     /// # Errors
-    /// Those of the boundary elements.
+    /// The errors of the boundary elements.
     pub(super) fn solve(
         self,
         task: &'static str,
@@ -282,7 +284,7 @@ impl MeshRanges {
     }
 }
 
-/// A thin gap and the error of its panels, in words.
+/// Text for a thin gap and the error of its panels.
 pub(crate) fn describe_gap(gap: &Gap) -> String {
     format!(
         "a gap {:.1} mm high, panels at its rim up to {:.1} mm wide ({:.2} of its height): error at most {:.1} % in \
@@ -295,7 +297,7 @@ pub(crate) fn describe_gap(gap: &Gap) -> String {
     )
 }
 
-/// Velocity patterns that are solved together, about: most modes of a symmetric body have one parity.
+/// Approximate number of velocity patterns that are solved together: most modes of a symmetric body have one parity.
 fn patterns(mesh: &MeshRange) -> usize {
     let modes = mesh.motions();
     modes.div_ceil(mesh.problem.boundary().copies())

@@ -1,4 +1,4 @@
-//! The faces of workpiece and support from which no sound leaves.
+//! The faces of workpiece and support that do not radiate.
 
 use nailnoise_meshes::JOINT;
 use nalgebra::Point3;
@@ -13,26 +13,26 @@ pub(super) const WORKTABLE: &str = BodyKind::Worktable.name();
 /// The faces of a workpiece that radiate into the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum OpenFaces {
-    /// All: its underside is clear of the floor; even a narrow gap radiates.
+    /// All: the underside is clear of the floor; even a narrow gap radiates.
     All,
-    /// All but the underside, which lies on its support.
+    /// All except the underside, which lies on its support.
     AboveUnderside,
-    /// The top alone, flush with a plane around it.
+    /// Only the top, flush with a plane around it.
     FlushTop,
 }
 
-/// The faces of workpiece and support from which no sound leaves: those where the bodies touch each other, the floor or
-/// what they lie in.
+/// The faces of workpiece and support that do not radiate, because they touch each other, the floor or the surrounding
+/// material.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CoveredFaces {
     /// The faces of the workpiece that radiate.
     pub workpiece: OpenFaces,
-    /// Half the sides of the workpiece's underside, which covers the top of a table \[m\].
+    /// Half-lengths of the sides of the workpiece's underside, which covers part of the top of a table \[m\].
     pub half_sides: [f64; 2],
 }
 
 impl CoveredFaces {
-    /// Whether no sound leaves a body's patch at a point.
+    /// Whether a body's patch does not radiate at a point.
     pub fn covers(&self, body: &str, patch: &str, at: &Point3<f64>) -> bool {
         // Faces tied to others, and those where two pieces touch.
         if patch.ends_with("_slave") || JOINT.contains(&patch) {

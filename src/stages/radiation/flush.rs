@@ -33,7 +33,7 @@ impl FlushTop {
     /// Rayleigh's integral over the top with the sand around it.
     ///
     /// # Errors
-    /// Those of surface and sand.
+    /// The errors of surface and sand.
     pub fn rayleigh(&self, surface: &RadiatingSurface, air: &Air) -> Result<Rayleigh, Error> {
         let mut rayleigh = Rayleigh::new(surface, air)?;
         if let Some(sand) = self.absorber() {
@@ -45,11 +45,11 @@ impl FlushTop {
         Ok(rayleigh)
     }
 
-    /// The top in `air` and in its sand. Sand that moves along is computed in every air, which takes little longer than
-    /// reading it would.
+    /// The top in `air` and in its sand. Moving sand is computed for every state of the air, which takes little longer
+    /// than reading it would.
     ///
     /// # Errors
-    /// Those of Rayleigh's integral.
+    /// The errors of Rayleigh's integral.
     pub fn in_sand(
         &self,
         alone: FlushSound,
@@ -70,7 +70,7 @@ impl FlushTop {
 /// The points of a block's top with the normal displacements of its modes.
 ///
 /// # Errors
-/// Those of the surface.
+/// The errors of the surface.
 pub fn top_of(block: &MovingSurface<'_>) -> Result<RadiatingSurface, Error> {
     let surface = block.surface;
     let top = |point: &QuadraturePoint| surface.patches[surface.faces[point.face].patch] == "top";
@@ -80,7 +80,7 @@ pub fn top_of(block: &MovingSurface<'_>) -> Result<RadiatingSurface, Error> {
 /// A flush surface sampled over frequency, with its pressure at the microphones.
 ///
 /// # Errors
-/// Those of Rayleigh's integral.
+/// The errors of Rayleigh's integral.
 pub(super) fn sampled(
     rayleigh: &Rayleigh,
     sampling: &Sampling,

@@ -1,5 +1,5 @@
-//! Results of boundary elements and Rayleigh's integral in standard air, which are stored: they depend only on the
-//! wavelength.
+//! Results of boundary elements and Rayleigh's integral in standard air. They are stored, because they depend only on
+//! the wavelength.
 //!
 //! ```text
 //! WorkpieceSolution, ToolSolution, ToolCapSolution     boundary elements for the modes of bodies
@@ -9,7 +9,7 @@
 //! both -> MatrixWithMicrophones                        powers and pressures at the microphones
 //! ```
 //!
-//! Other microphones need no boundary elements.
+//! Other microphones do not require a new boundary-element solution.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures, SurfacePressures};
@@ -20,15 +20,16 @@ use serde::Serialize;
 use super::CODE;
 use super::boundary_elements::{Places, Solution};
 use super::flush::{sampled, sampling_to, top_of};
-use super::shape::RadiatingShape;
+use super::reference::RadiatingShape;
 use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// Boundary elements of workpiece and worktable as one surface, or of a workpiece only.
+/// Boundary elements of workpiece and worktable as one surface, or of the workpiece alone.
 #[derive(Serialize)]
 pub struct WorkpieceSolution {
     /// Surroundings and resolution.
@@ -70,8 +71,7 @@ impl Stage for ToolSolution {
     }
 }
 
-/// Boundary elements of the tool's housing in the motion of each mode, followed by those with only its cap in that
-/// motion.
+/// Boundary elements of the tool's housing for each mode, followed by those with only its cap moving in that mode.
 #[derive(Serialize)]
 pub struct ToolCapSolution {
     /// Surroundings and resolution.
@@ -119,7 +119,7 @@ impl Stage for RadiationMatrix {
     }
 }
 
-/// The pressures on a surface in the motion of each mode.
+/// The pressures on a surface for each mode.
 #[derive(Serialize)]
 pub struct PressureOnSurface {
     /// Results of boundary elements for the surface.
@@ -138,7 +138,7 @@ impl Stage for PressureOnSurface {
     }
 }
 
-/// The pressures at the microphones in the motion of each mode.
+/// The pressures at the microphones for each mode.
 #[derive(Serialize)]
 pub struct PressureAtMicrophones {
     /// The surface.
@@ -165,7 +165,7 @@ impl Stage for PressureAtMicrophones {
             modes,
             ..body.moving_surface()
         });
-        let levels = self.shape.levels(&surfaces.collect::<Vec<_>>())?;
+        let levels = self.shape.mesh_hierarchy(&surfaces.collect::<Vec<_>>())?;
         Ok(self.surface.get()?.at(&self.places.receivers(), &levels)?)
     }
 }
@@ -188,7 +188,7 @@ impl Stage for MatrixWithMicrophones {
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
         let with = self.matrix.get()?.with_pressures(self.pressures.get()?);
-        with.ok_or(Error::OtherModes { body: "bodies" })
+        with.ok_or(BodyError::OtherModes { body: "bodies" }.into())
     }
 }
 
@@ -199,15 +199,15 @@ pub struct FlushMatrix {
     pub places: Places,
     /// Highest frequency of the block's motion in the analysed range \[Hz\].
     pub top_hz: f64,
-    /// The air of the computation, see [`Self::computed_air`].
+    /// The air used for the computation, see [`Self::computed_air`].
     pub air: Air,
     /// The workpiece.
     pub body: Stored<Body>,
 }
 
 impl FlushMatrix {
-    /// The air for the computation of the top without its surroundings: standard air, unless the wavelengths of `air`
-    /// are far from it.
+    /// The air for computing the top without its surroundings: standard air, unless the wavelengths in `air` are very
+    /// different.
     pub fn computed_air(air: &Air) -> Air {
         let standard = Air::default();
         let apart = (air.sound_speed / standard.sound_speed).ln().abs() > FlushSound::WIDEST.ln();

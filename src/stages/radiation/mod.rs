@@ -1,15 +1,15 @@
-//! Radiation of the moving bodies per unit of modal motion, before the motion is known.
+//! Radiation of the bodies per unit of modal motion, independent of the actual motion.
 //!
 //! The costly part depends only on the wavelength. It is computed in standard air and stored ([`RadiationMatrix`],
-//! [`PressureOnSurface`], [`FlushMatrix`]). For boundary elements, it is that of the modes of standard bodies of the
-//! same shape ([`ShapeMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
+//! [`PressureOnSurface`], [`FlushMatrix`]). For boundary elements, it is that of the modes of reference bodies of the
+//! same shape ([`ProjectedMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
 
 mod boundary_elements;
 mod covered;
 mod flush;
 mod matrices;
 mod radiators;
-mod shape;
+mod reference;
 mod surface_modes;
 mod tool;
 mod workpiece;
@@ -23,7 +23,9 @@ pub use matrices::{
     ToolSolution, WorkpieceSolution,
 };
 pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
-pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix, ShapePressures, Standard};
+pub use reference::{
+    ProjectedMatrix, ProjectedPressures, Projection, RadiatingShape, ReferenceProjection, ReferenceResult,
+};
 pub use surface_modes::SurfaceModes;
 pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{WorkpieceBoundaryElements, WorkpieceRadiation};

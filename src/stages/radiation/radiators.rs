@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// How the workpiece with its support radiates, with the known results in standard air.
+/// Method for the radiation of the workpiece with its support, with the results in standard air.
 #[derive(Serialize)]
 pub enum WorkpieceMethod {
     /// By boundary elements.
@@ -92,15 +92,15 @@ impl Stage for ToolRadiator {
     }
 }
 
-/// Damping and added mass by the air for each mode of each body.
+/// Damping and added mass due to the air, for each mode of each body.
 #[derive(Serialize)]
 #[serde(bound = "R: Send + Sync + 'static")]
 pub struct FluidLoadings<R> {
-    /// How the bodies radiate.
+    /// The radiator.
     pub radiator: Stored<R>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// Damping ratio of the structure of each body, if the air's mass is to act \[-\].
+    /// Damping ratio of the structure of each body \[-\], if the added mass of the air is to act.
     pub with_mass: Option<Vec<f64>>,
 }
 

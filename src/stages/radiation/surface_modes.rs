@@ -9,16 +9,16 @@ use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Stored, all};
 
-/// Structures of one shape: each of the same bodies, but of other materials or loads. Their meshes are the same or, if
-/// a structure is a single body, other ones of the same outer surface.
+/// Structures with the same shape: each has the same bodies, but of other materials or loads. Their meshes are the same
+/// or, if a structure is a single body, different meshes of the same outer surface.
 #[derive(Clone, Serialize)]
 pub struct SurfaceModes(pub Vec<Vec<Stored<Body>>>);
 
 impl SurfaceModes {
-    /// The modes of each body, those of all structures with the same meshes side by side.
+    /// The modes of each body; those of all structures with the same meshes are concatenated.
     ///
     /// # Errors
-    /// Those of the stages that make the bodies.
+    /// The errors of the stages that make the bodies.
     pub fn get(&self) -> Result<JoinedModes, Error> {
         let structures: Vec<Vec<Arc<Body>>> = self.0.iter().map(|bodies| all(bodies)).collect::<Result<_, _>>()?;
         let mut structures = structures.into_iter();
@@ -41,17 +41,18 @@ impl SurfaceModes {
     }
 }
 
-/// The bodies of the first structure in the modes of all that have their meshes, and the bodies of the others.
+/// The bodies of the first structure with the modes of all structures that have the same meshes, and the bodies of the
+/// others.
 pub struct JoinedModes {
     bodies: Vec<Arc<Body>>,
-    /// Modes of all structures on the surface of each body; none unless another structure has the same meshes.
+    /// Modes of all structures on the surface of each body; `None` unless another structure has the same meshes.
     joined: Option<Vec<DMatrix<f32>>>,
     /// Bodies with other meshes of the same outer surface.
     others: Vec<Arc<Body>>,
 }
 
 impl JoinedModes {
-    /// The surfaces of the bodies, and how they move; then those of bodies with other meshes.
+    /// The surfaces of the bodies with their modes, then those of bodies with other meshes.
     pub fn surfaces(&self) -> Vec<MovingSurface<'_>> {
         let own = self.bodies.iter().map(|body| body.moving_surface());
         let others = self.others.iter().map(|body| body.moving_surface());

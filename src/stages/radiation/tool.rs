@@ -1,16 +1,15 @@
 //! Radiation of the tool's body by boundary elements: the faces of its housing in the open air, above a rigid floor.
 //!
-//! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where
-//! its top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before
-//! the shot.
+//! The workpiece is not included: it neither reflects the tool's sound nor shields it, except in sand, where its top is
+//! flush with the reflecting plane. In every case, it closes the nose. The body is in its position before the shot.
 //!
-//! If the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for
-//! odd motions ([`SymmetricPart`]).
+//! If the housing is symmetric, as the parametric one is about y = 0, only one half is solved, for even and for odd
+//! motions ([`SymmetricPart`]).
 //!
-//! A plane that is farther below than the tool is high is not part of the equations either. It changes the power of a
-//! small source at the height h by sin(2 k h)/(2 k h). Below a table these are ripples of 170 Hz, which would require
-//! three times as many frequencies and cancel in every wider band. Its reflection at a microphone is the sound at the
-//! microphone's image.
+//! A plane farther below the tool than the tool's height is not included in the equations either. It changes the power
+//! of a small source at the height h by sin(2 k h)/(2 k h). Below a table, this gives ripples with a period of 170 Hz,
+//! which would require three times as many frequencies and average out in every wider band. Its reflection at a
+//! microphone is the sound at the microphone's image.
 
 use nailnoise_acoustics::bem::{
     BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, Panel, Parity, Patterns, Rim, SymmetricPart,
@@ -25,30 +24,31 @@ use serde::Serialize;
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
-/// How far a node may be off the cap that it belongs to, as a share of the cap's radius.
+/// Maximum distance of a node from the cap to which it belongs, relative to the cap's radius.
 const OFF_CAP: f64 = 1e-3;
 
 /// The outer side of the tool's cap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum CapSurface {
-    /// All of the outline from a height on, within a radius around the axis \[m\].
+    /// All of the outer surface above a height, within a radius around the axis \[m\].
     Above {
         /// Height of the cap's underside in the tool's coordinates \[m\].
         height: f64,
         /// Radius of the cap \[m\].
         radius: f64,
     },
-    /// The surface of this name.
+    /// The surface with this name.
     Named(&'static str),
 }
 
 impl CapSurface {
-    /// Which panels of a boundary are part of it.
+    /// For each panel of a boundary, whether it is part of the cap.
     ///
     /// # Errors
-    /// [`Error::NoCapSurface`] where none or all are.
+    /// [`BodyError::NoCapSurface`] where none or all are.
     fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
         let inside = |panel: &Panel| match *self {
             Self::Above { height, radius } => panel.corners().iter().all(|&node| {
@@ -60,28 +60,29 @@ impl CapSurface {
         let panels: Vec<bool> = mesh.panels.iter().map(inside).collect();
         let own = panels.iter().filter(|own| **own).count();
         if own == 0 || own == panels.len() {
-            return Err(Error::NoCapSurface {
+            return Err(BodyError::NoCapSurface {
                 surface: match self {
                     Self::Above { .. } => None,
                     Self::Named(name) => Some(name),
                 },
                 panels: [own, panels.len()],
-            });
+            }
+            .into());
         }
         Ok(panels)
     }
 }
 
-/// Surfaces of enclosed air: supply in the handle and around the sleeve, exhaust in the cap.
+/// Surfaces around enclosed air: supply in the handle and around the sleeve, exhaust in the cap.
 const ENCLOSED: [&str; 3] = ["supply", "sleeve_outside", "plenum"];
 
-/// Most panels of a useful coarser mesh over those of the finest.
+/// Maximum number of panels of a coarser mesh relative to the finest for it to be useful.
 const WORTH_WHILE: f64 = 0.6;
 
-/// Least number of frequencies at which a piece of a range is sampled.
+/// Minimum number of frequencies at which a piece of a range is sampled.
 const SAMPLES: f64 = 8.0;
 
-/// Highest frequency of the coarser mesh without the finer one, over the top of all.
+/// Highest frequency at which the coarser mesh is used alone, relative to the top of all ranges.
 const ALONE: f64 = 0.4;
 
 /// Boundary elements of the tool's housing.
@@ -89,16 +90,16 @@ const ALONE: f64 = 0.4;
 pub struct ToolRadiation {
     /// Resolution.
     pub resolution: Resolution,
-    /// Height of the reflecting plane in the tool's coordinates, if it is part of the equations \[m\].
+    /// Height of the reflecting plane in the tool's coordinates \[m\], if it is included in the equations.
     pub floor: Option<f64>,
 }
 
 impl ToolRadiation {
-    /// The solution in standard air, on the mesh of the first of several bodies of one shape, in the modes of all: it
-    /// depends only on the wavelength.
+    /// The solution in standard air, on the mesh of the first of several bodies with the same shape, for the modes of
+    /// all of them; it depends only on the wavelength.
     ///
     /// # Errors
-    /// Those of mesh and boundary elements.
+    /// The errors of mesh and boundary elements.
     pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<Solution, Error> {
         self.solve(
             &self.housings(bodies, None)?,
@@ -107,11 +108,11 @@ impl ToolRadiation {
         )
     }
 
-    /// The same with two columns a mode: first the modes of the full body, then the same modes with only the cap in
-    /// motion.
+    /// The same with two columns per mode: first the modes of the full body, then the same modes with only the cap
+    /// moving.
     ///
     /// # Errors
-    /// As [`Self::compute`], and [`Error::NoCapSurface`].
+    /// As [`Self::compute`], and [`BodyError::NoCapSurface`].
     pub fn compute_with_cap(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -151,11 +152,11 @@ impl ToolRadiation {
         ranges.solve(task, &self.resolution, progress)
     }
 
-    /// Checks that the housing's mesh can radiate, maintains its distance from the microphones, and has a cap if one is
-    /// required, before it has modes.
+    /// Checks, before its modes are computed, that the mesh of the housing can radiate, keeps the required distance
+    /// from the microphones, and has a cap if one is required.
     ///
     /// # Errors
-    /// As [`Self::level`], [`Error::NoCapSurface`], and those of the microphones.
+    /// As [`Self::level`], [`BodyError::NoCapSurface`], and those of the microphones.
     pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>, places: &Places) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
@@ -163,32 +164,32 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        places.check(&self.levels(&[body], cap, &Air::default())?)
+        places.check(&self.mesh_hierarchy(&[body], cap, &Air::default())?)
     }
 
-    /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
+    /// The housing's own mesh with its nose closed, up to the frequency that it resolves.
     ///
     /// # Errors
-    /// Those of the mesh.
+    /// The errors of the mesh.
     pub fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
         self.finest(&[*body], None, air)?.ok_or(OTHER_SURFACE)
     }
 
-    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its mesh, and parts of those that
-    /// are too large.
+    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its mesh, with panels that are too
+    /// large divided.
     ///
     /// # Errors
-    /// As [`Self::level`].
+    /// Same as [`Self::level`].
     pub fn resolving(&self, body: &MovingSurface<'_>, hz: f64, air: &Air) -> Result<MeshRange, Error> {
         self.of_finer_mesh(&self.housing(body, None)?, hz, air)
     }
 
-    /// The housing's mesh with each mode; for a separate cap, the modes of only the cap follow those of the full body.
-    /// The modes of further bodies of the same shape follow those of the first, on the mesh of the first; none if their
-    /// surfaces differ.
+    /// The housing's mesh with each mode; for a separate cap, the modes of the cap alone follow those of the full body.
+    /// The modes of further bodies with the same shape follow those of the first, on its mesh; `None` if their surfaces
+    /// differ.
     ///
     /// # Errors
-    /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
+    /// As [`Self::level`], [`BodyError::OpenCavity`], and [`BodyError::NoCapSurface`].
     pub fn finest(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -198,8 +199,8 @@ impl ToolRadiation {
         self.joined(&self.housings(bodies, cap)?, air)
     }
 
-    /// The mesh of the first housing in the motions of all, each carried over from its own mesh; none if the surfaces
-    /// differ.
+    /// The mesh of the first housing with the motions of all housings, each transferred from its own mesh; `None` if
+    /// the surfaces differ.
     fn joined(&self, housings: &[Housing], air: &Air) -> Result<Option<MeshRange>, Error> {
         let mut all = self.of_own_mesh(&housings[0], air)?;
         for housing in &housings[1..] {
@@ -214,7 +215,7 @@ impl ToolRadiation {
         bodies.iter().map(|body| self.housing(body, cap)).collect()
     }
 
-    /// The housing's outer surface in motion.
+    /// The moving outer surface of the housing.
     fn housing(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>) -> Result<Housing, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         refuse_open_cavities(&outline.mesh)?;
@@ -248,7 +249,7 @@ impl ToolRadiation {
         self.of_panels_within(housing, edge, top_hz, air)
     }
 
-    /// The housing in panels whose sides measure at most `edge` \[m\], and less at the rims of thin gaps.
+    /// The housing in panels whose sides are at most `edge` long \[m\], and shorter at the rims of thin gaps.
     fn of_panels_within(&self, housing: &Housing, edge: f64, top_hz: f64, air: &Air) -> Result<MeshRange, Error> {
         let finer = housing
             .mesh
@@ -267,7 +268,8 @@ impl ToolRadiation {
         self.range(boundary, (&motions, part), top_hz, air)
     }
 
-    /// A boundary with velocities of all panels, followed by those of a part only, from displacements of every parity.
+    /// A boundary with the velocities of all panels, optionally followed by those of a part alone, from displacements
+    /// of every parity.
     fn range(
         &self,
         boundary: Boundary,
@@ -289,8 +291,8 @@ impl ToolRadiation {
         Ok(self.resolution.range(boundary, patterns, top_hz, air)?)
     }
 
-    /// The meshes of the means above the highest single frequency, with the motions of further bodies as the finest
-    /// mesh below has them.
+    /// The meshes for the means above the highest single frequency, with the motions of further bodies taken from the
+    /// finest mesh below.
     fn mean_ranges(&self, housing: &Housing, finest: &MeshRange, air: &Air) -> Result<MeanRanges, Error> {
         self.resolution.mean_ranges(finest.top_hz, |hz| {
             let mut finer = self.of_finer_mesh(housing, hz, air)?;
@@ -307,7 +309,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// As [`Self::finest`].
-    pub fn levels(
+    pub fn mesh_hierarchy(
         &self,
         bodies: &[MovingSurface<'_>],
         cap: Option<&CapSurface>,
@@ -316,16 +318,16 @@ impl ToolRadiation {
         self.of_housings(&self.housings(bodies, cap)?, air)
     }
 
-    /// The housing's mesh. If it saves much, a coarser mesh of the same surface, which resolves the same waves,
-    /// precedes it. In the lower part of the range that is the only mesh; in the upper part it predicts the matrix
-    /// between the few frequencies of the finer.
+    /// The housing's mesh. If it saves enough time, a coarser mesh of the same surface that resolves the same waves
+    /// precedes it. In the lower part of the range, only that mesh is used; in the upper part, it predicts the matrix
+    /// between the few frequencies solved on the finer mesh.
     fn of_housings(&self, housings: &[Housing], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
         let fine = self.joined(housings, air)?.ok_or(OTHER_SURFACE)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
-        // A coarser surface would have wide panels at the rims of gaps.
+        // A coarser surface would have panels that are too wide at the rims of gaps.
         if !housings[0].rims.is_empty() {
             return Ok(vec![fine]);
         }
@@ -347,41 +349,44 @@ impl ToolRadiation {
     }
 }
 
-/// The outer surface of a housing with its nose closed; if it is symmetric, the part above its mirror planes.
+/// The outer surface of a housing with its nose closed; if it is symmetric, only the part on one side of its mirror
+/// planes.
 struct Housing {
     mesh: BoundaryMesh,
     mirrors: [Option<f64>; 2],
-    /// Rims of the thin gaps that its panels are too wide for.
+    /// Rims of the thin gaps for which its panels are too wide.
     rims: Vec<Rim>,
     /// Displacements of every parity at the mesh's points, (3 x points) x modes.
     motions: Vec<(Parity, DMatrix<f64>)>,
-    /// The panels of the cap, if it is separate.
+    /// For each panel, whether it is part of the cap, if that is separate.
     cap: Option<Vec<bool>>,
 }
 
-/// Which panels of a boundary belong to a part, by the numbers that they have in the mesh it was made of.
+/// For each panel of a boundary, whether it belongs to a part, which is given by panel numbers in the original mesh.
 fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
     boundary.original().iter().map(|&panel| part(panel)).collect()
 }
 
-/// Refuses an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz
-/// resonator: it multiplies the radiation of all modes near its resonance. The cavities of a tool are closed.
+/// Rejects an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz
+/// resonator, which multiplies the radiation of all modes near its resonance. The cavities of a tool are closed.
 fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     let name = |panel: &Panel| outline.patches[panel.patch].as_str();
     match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {
-        Some(surface) => Err(Error::OpenCavity {
+        Some(surface) => Err(BodyError::OpenCavity {
             surface: surface.to_owned(),
-        }),
+        }
+        .into()),
         None => Ok(()),
     }
 }
 
 /// Bodies whose surfaces differ have no common modes.
-const OTHER_SURFACE: Error = Error::OtherModes {
-    body: "standard bodies",
-};
+const OTHER_SURFACE: Error = Error::Body(BodyError::OtherModes {
+    body: "reference bodies",
+});
 
-/// Appends the motions of another mesh of the same surface from number `first` on; false where the surfaces differ.
+/// Appends the motions on another mesh of the same surface, starting at number `first`; returns false if the surfaces
+/// differ.
 fn append(to: &mut MeshRange, from: &MeshRange, first: usize) -> bool {
     let [own, other] = [&*to, from].map(|range| range.problem.boundary());
     let carried = from.patterns.par_iter().map(|patterns| {
@@ -399,8 +404,8 @@ fn append(to: &mut MeshRange, from: &MeshRange, first: usize) -> bool {
     true
 }
 
-/// Velocity patterns (corner values of the panels x modes), followed by the same with only `part` of the panels in
-/// motion.
+/// Velocity patterns (corner values of the panels x modes), followed by the same patterns with only the panels in
+/// `part` moving.
 fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> DMatrix<f64> {
     let modes = velocities.ncols();
     let mut both = velocities.resize_horizontally(2 * modes, 0.0);
@@ -416,8 +421,8 @@ fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> 
     both
 }
 
-/// Approximate number of frequencies that are solved on each mesh: a single mesh on three pieces of the range, one next
-/// to a coarser mesh at half as many on the last piece and in the middles of the means.
+/// Approximate number of frequencies that are solved on each mesh. A single mesh is used for three pieces of the range.
+/// One with a coarser mesh below it is used for half as many on the last piece and for the centres of the means.
 fn solves(levels: &[MeshRange], bands: &MeanBands) -> Vec<f64> {
     let means = bands.on_same_mesh();
     let in_means = MeanBands::samples(means) as f64;
@@ -440,7 +445,7 @@ mod tests {
     use nailnoise_meshes::{ElementKind, Grid, Mesh};
     use nalgebra::Point3;
 
-    /// A cube of 3 x 3 x 3 cells with a cavity that is called `plenum`, whose wall has a hole or none.
+    /// A cube of 3 x 3 x 3 cells with a cavity called `plenum`, whose wall may have a hole.
     fn outline(hole: bool) -> BoundaryMesh {
         let line = || vec![0.0, 0.1, 0.2, 0.3];
         let grid = Grid::new(line(), line(), line()).unwrap();
@@ -490,8 +495,8 @@ mod tests {
         }
     }
 
-    /// A cube of 0.3 m, of tetrahedra with straight sides, six in each of so many cells an axis, and where it moves as
-    /// (0, 0, z) and as (y, x, 0).
+    /// A cube of 0.3 m with this number of cells per axis, each divided into six tetrahedra with straight sides, and
+    /// its displacements (0, 0, z) and (y, x, 0).
     fn strained(divisions: usize) -> (Surface, DMatrix<f32>) {
         let points = divisions + 1;
         let coordinates = |number: usize| [number % points, number / points % points, number / (points * points)];
@@ -500,7 +505,7 @@ mod tests {
             .map(|number| Point3::from(coordinates(number).map(|n| n as f64 * step)))
             .collect();
         let strides = [1, points, points * points];
-        // Along three edges from the lowest corner of a cell to its highest.
+        // Along three edges from the lowest corner of a cell to its highest corner.
         let paths = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
         let mut connectivity = Vec::new();
         for first in (0..nodes.len()).filter(|&number| coordinates(number).iter().all(|&n| n < divisions)) {
@@ -508,7 +513,7 @@ mod tests {
                 let second = first + strides[a];
                 let third = second + strides[b];
                 let last = third + strides[c];
-                // The second half turns the other way round.
+                // The second half has the opposite orientation.
                 connectivity.extend(if number < 3 {
                     [first, second, third, last]
                 } else {
@@ -548,12 +553,12 @@ mod tests {
         let [alone, both] = [&alone, &both].map(|range| &range.patterns[0].velocities);
         assert!(alone.column(0).amax() > 0.2 && alone.column(1).amax() > 0.2);
         assert_eq!((both.ncols(), both.columns(0, 2)), (4, alone.columns(0, 2)));
-        // Linear motions of flat sides arrive unchanged.
+        // Linear motions of flat sides are transferred exactly.
         assert!((both.columns(2, 2) - alone).amax() < 1e-6);
     }
 
-    /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing
-    /// with its upper side as the cap.
+    /// A block of 0.3 m on the ground of the tool's coordinates as a housing that moves rigidly along z, with its upper
+    /// side as the cap.
     fn shaken(mean_top_hz: Option<f64>) -> (ToolRadiation, Surface, DMatrix<f32>) {
         let line = || vec![0.0, 0.1, 0.2, 0.3];
         let grid = Grid::new(line(), line(), line()).unwrap();

@@ -1,9 +1,9 @@
 //! Radiation of the workpiece and of a table below it: the radiating surfaces, the floor, the meshes and their cost.
 //!
-//! Built-in block and table are boxes, symmetric about two planes, on meshes that get finer with frequency. A block
-//! that lies on a rigid floor or is fixed to it has that floor instead of an underside: no sound leaves the gap between
-//! them. A block that hangs or rests on springs radiates all around, above the floor at `support.clearance`. A block of
-//! another shape (`workpiece.mesh`) radiates from the faces of that mesh.
+//! The built-in block and table are boxes, symmetric about two planes, on meshes that become finer with frequency. For
+//! a block that lies on a rigid floor or is fixed to it, the floor replaces the underside: no sound leaves the gap
+//! between them. A block that hangs or rests on springs radiates from all faces, above the floor at
+//! `support.clearance`. A block of another shape (`workpiece.mesh`) radiates from the faces of that mesh.
 
 use nailnoise_acoustics::bem::{
     BemError, Boundary, BoundaryMesh, Gap, Gaps, MovingPart, Parity, Patterns, Rim, Side, SolidBox,
@@ -20,24 +20,25 @@ use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
-/// Tops of the ranges with separate meshes, over the top of all.
+/// Upper ends of the ranges with separate meshes, relative to the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 
-/// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the
-/// wave.
+/// Longest side of a panel relative to the largest dimension of the body: at low frequencies, the shape limits it
+/// rather than the wavelength.
 const COARSEST: f64 = 1.0 / 16.0;
 
-/// Frequencies at which a range is sampled on the mesh below it, as counted on the worktables: per wavelength of the
-/// range, and in addition to these.
+/// Number of frequencies at which a range is sampled on the mesh below it, as observed for the worktables: per
+/// wavelength of the range, and a constant.
 const SAMPLES_PER_WAVELENGTH: f64 = 7.0;
 const SAMPLES_BESIDE: f64 = 10.0;
 
-/// Frequencies at which its own mesh corrects them.
+/// Number of frequencies at which its own mesh corrects them.
 const CORRECTIONS: f64 = 9.0;
 
-/// Patches of the block on its table, and how many of them belong to the block.
+/// Patches of the block on its table, and the number of those that belong to the block.
 const PATCHES: [&str; 6] = [
     "workpiece top",
     "workpiece sides",
@@ -51,7 +52,7 @@ const OF_WORKPIECE: usize = 2;
 /// Patches of a block without a table.
 const ALONE: [&str; 3] = ["workpiece top", "workpiece sides", "workpiece underside"];
 
-/// How the radiation of the workpiece with its support is computed.
+/// Settings for the radiation of the workpiece with its support.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum WorkpieceRadiation {
     /// By boundary elements on block and table as one surface above the floor, or on a block only.
@@ -67,21 +68,21 @@ pub enum WorkpieceRadiation {
 pub struct WorkpieceBoundaryElements {
     /// Resolution.
     pub resolution: Resolution,
-    /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed
-    /// by top and floor. The origin is the centre of the block's underside.
+    /// The block (part 0) and, if it stands on a table, the table's top (part 1) and legs (part 2). Tubes are closed by
+    /// top and floor. The origin is the centre of the block's underside.
     pub boxes: Vec<SolidBox>,
     /// Whether the block stands on a table.
     pub on_table: bool,
-    /// Height of the rigid floor if it is part of the equations \[m\].
+    /// Height of the rigid floor \[m\], if it is included in the equations.
     pub floor: Option<f64>,
 }
 
 impl WorkpieceRadiation {
-    /// Checks that the surfaces of workpiece and table can radiate and maintain their distance from the microphones,
-    /// before they have modes.
+    /// Checks, before modes are computed, that the surfaces of workpiece and table can radiate and keep the required
+    /// distance from the microphones.
     ///
     /// # Errors
-    /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand, and of the microphones.
+    /// As [`WorkpieceBoundaryElements::mesh_hierarchy`]; those of the block's top in sand, and of the microphones.
     pub fn check(&self, surfaces: &[Surface], places: &Places) -> Result<(), Error> {
         let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
         let names = [WORKPIECE, WORKTABLE].into_iter();
@@ -102,13 +103,13 @@ impl WorkpieceRadiation {
 }
 
 impl WorkpieceBoundaryElements {
-    /// The solution in standard air: it depends only on the wavelength.
+    /// The solution in standard air, which depends only on the wavelength.
     ///
     /// # Errors
-    /// Those of [`Self::levels`] and of the boundary elements.
+    /// Those of [`Self::mesh_hierarchy`] and of the boundary elements.
     pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<Solution, Error> {
         let air = Air::default();
-        let levels = self.levels(bodies, &air)?;
+        let levels = self.mesh_hierarchy(bodies, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let lowest = levels.first().map_or(0.0, |level| level.top_hz);
         let lowest_hz = LOWEST_SAMPLE.min(0.5 * lowest);
@@ -131,7 +132,7 @@ impl WorkpieceBoundaryElements {
         ranges.solve("boundary elements", &self.resolution, progress)
     }
 
-    /// Largest extent of the boxes \[m\].
+    /// Largest dimension of the boxes \[m\].
     fn extent(&self) -> f64 {
         let of_axis = |axis: usize| {
             let low = self.boxes.iter().map(|b| b.low[axis]).fold(f64::INFINITY, f64::min);
@@ -145,36 +146,36 @@ impl WorkpieceBoundaryElements {
         (0..3).map(of_axis).fold(0.0, f64::max)
     }
 
-    /// The surface of the bodies on meshes that get finer with frequency, with the velocities of all modes. In any air
-    /// the meshes and their limiting wavelengths are those of the stored matrix.
+    /// The surface of the bodies on meshes that become finer with frequency, with the velocities of all modes. In any
+    /// air the meshes and their limiting wavelengths are those of the stored matrix.
     ///
     /// # Errors
-    /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
-    pub fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
+    /// [`BodyError::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
+    pub fn mesh_hierarchy(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         self.of_bodies(bodies, air, &RANGES)
     }
 
     /// The finest of these meshes.
     ///
     /// # Errors
-    /// As [`Self::levels`].
+    /// As [`Self::mesh_hierarchy`].
     pub fn finest(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Option<MeshRange>, Error> {
         Ok(self.of_bodies(bodies, air, &RANGES[RANGES.len() - 1..])?.pop())
     }
 
-    /// [`Self::levels`] up to these shares of the top of all ranges.
+    /// [`Self::mesh_hierarchy`] up to these shares of the top of all ranges.
     fn of_bodies(&self, bodies: &[MovingSurface<'_>], air: &Air, shares: &[f64]) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
                 Ok(vec![self.of_skin(&bodies[0], air, None)?])
             }
-            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(Error::NotBoxes { cause }),
+            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(BodyError::NotBoxes { cause }.into()),
             other => Ok(other?),
         }
     }
 
-    /// The meshes of the means above the highest single frequency.
+    /// The meshes for the means above the highest single frequency.
     fn mean_ranges(&self, bodies: &[MovingSurface<'_>], top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
         self.resolution.mean_ranges(top_hz, |hz| {
             match self.of_boxes(bodies, air, hz / self.resolution.top_hz) {
@@ -189,7 +190,7 @@ impl WorkpieceBoundaryElements {
     /// The thin gap of the boxes' surface whose panels are least accurate.
     ///
     /// # Errors
-    /// Those of the mesh.
+    /// The errors of the mesh.
     pub fn gap(&self) -> Result<Option<Gap>, Error> {
         let worst = |share: &f64| Ok::<_, Error>(Gaps::of(&self.boundary(*share)?).worst());
         let gaps: Vec<Option<Gap>> = RANGES.iter().map(worst).collect::<Result<_, _>>()?;
@@ -197,7 +198,7 @@ impl WorkpieceBoundaryElements {
         Ok(gaps.into_iter().flatten().max_by(|a, b| error(a).total_cmp(&error(b))))
     }
 
-    /// The boxes' surface in panels for a share of the top of all ranges.
+    /// The boxes' surface in panels for a fraction of the top of all ranges.
     fn boundary(&self, share: f64) -> Result<Boundary, AcousticsError> {
         let (fine, computed) = (&self.resolution, Air::default());
         let (on_table, floor) = (self.on_table, self.floor);
@@ -214,7 +215,7 @@ impl WorkpieceBoundaryElements {
         let top_hz = share * fine.top_hz;
         let edge = (computed.sound_speed / (fine.panels * top_hz)).min(COARSEST * self.extent());
         let mirrors = [Some(0.0); 2];
-        // A floor below the body needs no line of the grid.
+        // A floor below the body needs no grid line.
         let lowest = self.boxes.iter().map(|b| b.low[2]).fold(f64::INFINITY, f64::min);
         let planes = [mirrors[0], mirrors[1], floor.filter(|floor| *floor >= lowest)];
         let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
@@ -230,7 +231,7 @@ impl WorkpieceBoundaryElements {
         Ok(boundary)
     }
 
-    /// The boxes' surface up to a share of the top of all ranges.
+    /// The boxes' surface up to a fraction of the top of all ranges.
     fn of_boxes(&self, bodies: &[MovingSurface<'_>], air: &Air, share: f64) -> Result<MeshRange, AcousticsError> {
         let (fine, computed) = (&self.resolution, Air::default());
         let on_table = self.on_table;
@@ -290,10 +291,10 @@ impl WorkpieceBoundaryElements {
     }
 }
 
-/// Number of frequencies that are solved on each mesh, about. The samples of a range follow from the wavelengths that
-/// fit into twice the body's largest extent, or into its height above the floor: how many more fit at the top of the
-/// range than at its bottom. They are solved on the mesh below and corrected by the range's own; the last mesh also
-/// solves the means half an octave above.
+/// Approximate number of frequencies that are solved on each mesh. The number of samples in a range depends on how many
+/// wavelengths fit into twice the body's largest dimension, or into its height above the floor: it is the increase of
+/// this number from the bottom to the top of the range. They are solved on the mesh below and corrected on the range's
+/// own mesh; the last mesh also solves the means half an octave above.
 fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     let mut from = low;
     let mut solves = vec![0.0; levels.len()];
@@ -384,7 +385,7 @@ mod tests {
     }
 
     fn levels(design: &Design, block: &Body, air: &Air) -> Result<Vec<MeshRange>, Error> {
-        boundary_elements(design).levels(&[block.moving_surface()], air)
+        boundary_elements(design).mesh_hierarchy(&[block.moving_surface()], air)
     }
 
     /// Both evaluations of the resistance of a body that shakes along an axis \[kg/s\].
@@ -577,7 +578,10 @@ mod tests {
         };
         check(1.0).unwrap();
         let error = check(0.001).unwrap_err();
-        assert!(matches!(error, Error::MicrophoneNearSurface { .. }), "{error}");
+        assert!(
+            matches!(error, Error::Body(BodyError::MicrophoneNearSurface { .. })),
+            "{error}"
+        );
         assert_eq!(error.exit_status(), 2);
     }
 
@@ -648,7 +652,7 @@ mod tests {
         }
         let table = small("support.kind = \"worktable\"\nworkpiece.length = \"410 mm\"");
         let error = levels(&table, &block, &air).unwrap_err();
-        assert!(matches!(error, Error::NotBoxes { .. }), "{error}");
+        assert!(matches!(error, Error::Body(BodyError::NotBoxes { .. })), "{error}");
         assert_eq!(error.exit_status(), 2);
     }
 }

@@ -8,17 +8,16 @@
 use std::sync::Arc;
 
 use nailnoise_dynamics::{
-    Compliance, CouplingWork, CycleRecord, Parameters, Settings as CycleSettings, WoodForces, WoodMotion, Workpiece,
-    simulate_on,
+    Compliance, CouplingWork, CycleRecord, Parameters, WoodForces, WoodMotion, Workpiece, simulate_on,
 };
 use nailnoise_fem::vibration::{Driven, ModalBody, ModalResponse, Settings, Support};
-use nailnoise_penetration::Envelope;
 use nalgebra::{DMatrix, DVectorView};
 
-use super::nail_force;
+use super::nail_force::{DrivenFastener, FastenerLaw, Resistance};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::STATIONS;
+use crate::stages::cycle::Cycle;
 
 /// Loads of the shot on the workpiece in the order of a body's load participations: the nail's stations from the
 /// surface down, the nose, and gravity.
@@ -45,6 +44,8 @@ const STRUCTURE_LIMIT: f64 = 1e-3;
 pub struct Coupled {
     /// The cycle; its workpiece is the surface under the nose, its support that of the block.
     pub record: CycleRecord,
+    /// Parameters of the cycle.
+    pub parameters: Parameters,
     /// The response of workpiece and support.
     pub response: Arc<ModalResponse>,
     /// Amplitudes of each body's modes in vacuum for its modes in the response, if they differ.
@@ -57,26 +58,25 @@ pub struct Coupled {
 
 /// Computes cycle and response together, the workpiece being the first body.
 ///
-/// Each body's load participations have [`COUPLED_LOADS`] columns, down positive. `friction_share` is the share of the
-/// penetration resistance at full depth that is friction along the shank.
+/// Each body's load participations have [`COUPLED_LOADS`] columns, down positive.
 ///
 /// # Errors
 /// Those of cycle and response, and that they do not agree.
 pub fn couple(
-    parameters: &Parameters,
-    friction_share: f64,
-    settings: &CycleSettings,
+    cycle: &Cycle,
     bodies: &[ModalBody],
     supports: &[Support],
     transient: &Settings,
 ) -> Result<Coupled, Error> {
+    let parameters = &cycle.parameters;
     let mut wood = Wood {
         bodies,
         supports,
         transient,
-        envelope: parameters.penetration_envelope(),
-        length: parameters.nail.length,
-        friction_share,
+        resistance: Resistance::of(&DrivenFastener {
+            law: FastenerLaw::Nail(Box::new(parameters.clone())),
+            friction_share: parameters.friction_share,
+        }),
         carrying: carrying(&bodies[0], parameters.ambient.gravity),
         // Under its own weight, until the cycle puts the tool on it.
         run: Driven::new(bodies, supports, &WEIGHT, &WEIGHT, transient)?,
@@ -85,12 +85,13 @@ pub fn couple(
         shares: [0.0; STATIONS],
         work: 0.0,
     };
-    let (record, work) = simulate_on(parameters, settings, &mut wood)?;
+    let (record, work) = simulate_on(parameters, &cycle.settings, &mut wood)?;
     let work_of_wood = wood.work;
     let response = wood.run.finish()?;
     let checks = checks(&record, &response, work_of_wood);
     Ok(Coupled {
         record,
+        parameters: parameters.clone(),
         response: Arc::new(response),
         coordinates: vec![None; bodies.len()],
         work,
@@ -124,9 +125,7 @@ struct Wood<'a> {
     bodies: &'a [ModalBody],
     supports: &'a [Support],
     transient: &'a Settings,
-    envelope: Envelope,
-    length: f64,
-    friction_share: f64,
+    resistance: Resistance,
     /// Part of each support's force that carries the workpiece.
     carrying: Vec<f64>,
     run: Driven<'a>,
@@ -140,7 +139,7 @@ struct Wood<'a> {
 
 impl Wood<'_> {
     fn shares(&self, depth: f64) -> [f64; STATIONS] {
-        nail_force::shares(&self.envelope, self.length, self.friction_share, depth)
+        self.resistance.shares(depth)
     }
 
     fn loads(&self, forces: &WoodForces) -> [f64; COUPLED_LOADS] {

@@ -15,7 +15,6 @@ mod two_way;
 use std::sync::Arc;
 
 use nailnoise_acoustics::radiation::radiator::FluidLoads;
-use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::vibration::{Ending, ModalBody, ModalResponse};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -24,13 +23,15 @@ pub(in crate::stages) use fluid::in_air;
 
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use linear::LinearResponse;
-pub use shot::ShotInputs;
+pub use nail_force::{DrivenFastener, FastenerLaw};
+pub use shot::{OneWay, ShotInputs};
 pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 
 use super::bodies::Body;
 use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::cycle::ShotRecord;
 
 /// Code that the stages of this module call.
 const CODE: Code = code!(dynamics, meshes, fem, acoustics, stages_bodies, stages_response);
@@ -86,7 +87,7 @@ pub struct Response {
     /// The bodies.
     pub structure: Structure,
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Factor on the forces of the shot on the workpiece \[-\].
     pub force_scale: f64,
 }
@@ -101,10 +102,13 @@ impl Stage for Response {
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
-        let response = self.shot.one_way(&bodies, &*self.cycle.get()?, self.force_scale)?;
+        let shot = self.shot.one_way(&bodies, &*self.cycle.get()?, self.force_scale)?;
         Ok(Vibration {
-            checks: checks("response", &response),
-            response: Arc::new(response),
+            checks: checks("response", &shot.response)
+                .into_iter()
+                .chain(shot.checks)
+                .collect(),
+            response: Arc::new(shot.response),
             coordinates,
         })
     }
@@ -114,7 +118,7 @@ impl Stage for Response {
 #[derive(Serialize)]
 pub struct End {
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// The longest response; that of an elastic tool if present, because its flight does not decay.
     pub longest: Stored<Vibration>,
 }

@@ -11,56 +11,201 @@
 //! S is linear in depth and reaches the share phi of F_r at full depth: the published second drive into the same hole
 //! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
 //! (F_pen < E) all parts shrink in proportion.
+//!
+//! Where the resistance depends on speed, the parts are those at the nail's speed. An elastic blow replaces the
+//! frequencies of F_pen above 2 kHz.
 
-use nailnoise_dynamics::{CycleRecord, Parameters};
-use nailnoise_penetration::Envelope;
+use nailnoise_acoustics::signals::fourier::RealTransform;
+use nailnoise_dynamics::blow::elastic_blow;
+use nailnoise_dynamics::network::FastenerResistance;
+use nailnoise_dynamics::network::assembly::Fastener;
+use nailnoise_dynamics::{BlowModel, CycleRecord, Parameters};
+use nailnoise_penetration::{Envelope, RateLaw};
 use nalgebra::DMatrix;
+use serde::Serialize;
 
+use crate::result::Check;
 use crate::stages::bodies::STATIONS;
+use crate::stages::cycle::{EngineRecord, OnWorkpiece, ShotRecord};
 
-/// Downward force on the wood at each station: stations x samples \[N\]. Each column sums to F_pen.
-pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &CycleRecord) -> DMatrix<f64> {
-    let length = parameters.nail.length;
-    let envelope = parameters.penetration_envelope();
-    let full_friction = friction_share * envelope.shank(length);
-    let mut forces = DMatrix::zeros(STATIONS, record.len());
-    for (sample, mut column) in forces.column_iter_mut().enumerate() {
-        let force = record.forces.penetration[sample];
-        let depth = record.motion.nail_depth[sample];
-        if force > 0.0 && depth > 0.0 {
-            spread(&envelope, length, full_friction, (force, depth), column.as_mut_slice());
+/// Frequencies between which the force of an elastic blow replaces that of the cycle \[Hz\].
+const CROSSOVER: [f64; 2] = [1000.0, 2000.0];
+
+/// A fastener in the work, and the share of its resistance at full depth that is friction along the shank.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrivenFastener {
+    /// What gives the resistance.
+    pub law: FastenerLaw,
+    /// Share of the resistance at full depth that is friction along the shank.
+    pub friction_share: f64,
+}
+
+/// What gives the resistance of the work to a fastener.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum FastenerLaw {
+    /// The nail of a design's keys.
+    Nail(Box<Parameters>),
+    /// A fastener of an assembly.
+    Fastener(Fastener),
+}
+
+/// Evaluates the resistance to a fastener.
+pub(super) struct Resistance {
+    curve: Curve,
+    length: f64,
+}
+
+enum Curve {
+    Nail(Envelope),
+    /// With the friction at full depth \[N\].
+    Fastener(FastenerResistance, f64),
+}
+
+/// Forces of the fastener on the wood.
+#[derive(Debug)]
+pub(super) struct FastenerForces {
+    /// Downward force at each station: stations x samples \[N\]. Each column sums to F_pen.
+    pub(super) stations: DMatrix<f64>,
+    /// Checks of an elastic blow.
+    pub(super) checks: Vec<Check>,
+}
+
+/// Forces of the fastener of a shot on the wood; none if the tool works on none.
+pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<FastenerForces> {
+    let on = shot.workpiece.as_ref()?;
+    let resistance = Resistance::of(driven);
+    let (force, speed, checks) = penetration(driven, shot, on);
+    let mut stations = DMatrix::zeros(STATIONS, force.len());
+    for (sample, mut column) in stations.column_iter_mut().enumerate() {
+        let depth = on.deepest[sample];
+        if force[sample] != 0.0 && depth > 0.0 {
+            let parts = resistance.parts(depth, speed.as_ref().map_or(0.0, |speed| speed[sample]));
+            resistance.spread(parts, (force[sample], depth), column.as_mut_slice());
         }
     }
-    forces
+    Some(FastenerForces { stations, checks })
 }
 
-/// Shares of the stations in F_pen with the tip at a depth; all of it acts at the surface before it is in.
-pub(super) fn shares(envelope: &Envelope, length: f64, friction_share: f64, depth: f64) -> [f64; STATIONS] {
-    let mut shares = [0.0; STATIONS];
-    if depth > 0.0 && envelope.shank(depth) + envelope.head(depth) > 0.0 {
-        let full_friction = friction_share * envelope.shank(length);
-        spread(envelope, length, full_friction, (1.0, depth), &mut shares);
-    } else {
-        shares[0] = 1.0;
+/// F_pen at the samples of a shot, the speed of a nail whose resistance depends on it, and the checks of an elastic
+/// blow.
+fn penetration(
+    driven: &DrivenFastener,
+    shot: &ShotRecord,
+    on: &OnWorkpiece,
+) -> (Vec<f64>, Option<Vec<f64>>, Vec<Check>) {
+    let (FastenerLaw::Nail(parameters), EngineRecord::Keys(record)) = (&driven.law, &shot.record) else {
+        return (on.fastener.clone(), None, Vec::new());
+    };
+    let speed = match parameters.wood.rate {
+        RateLaw::None => None,
+        RateLaw::Speed => {
+            let pairs = record.piston.velocity.iter().zip(&record.workpiece.velocity);
+            Some(pairs.map(|(piston, wood)| (piston - wood).max(0.0)).collect())
+        }
+    };
+    let blow = match parameters.model.blow {
+        BlowModel::Rigid => None,
+        BlowModel::Elastic => elastic_blow(parameters, record),
+    };
+    match blow {
+        None => (on.fastener.clone(), speed, Vec::new()),
+        Some(blow) => (above_crossover(record, &blow.on_wood), speed, blow.checks),
     }
-    shares
 }
 
-/// Adds a force with the tip at a depth to the stations.
-fn spread(envelope: &Envelope, length: f64, full_friction: f64, (force, depth): (f64, f64), stations: &mut [f64]) {
-    let embedded = depth.min(length);
-    let (law, head) = (envelope.shank(depth), envelope.head(depth));
-    let shank = (full_friction * embedded / length).min(law);
-    let scale = force / (law + head);
-    stations[0] += scale * head;
-    let position = embedded / length * (STATIONS - 1) as f64;
-    for (k, weight) in uniform(position) {
-        stations[k] += scale * shank * weight;
+/// The force of a cycle with that of an elastic blow above [`CROSSOVER`].
+fn above_crossover(record: &CycleRecord, elastic: &[f64]) -> Vec<f64> {
+    let rigid = &record.forces.penetration;
+    let mut difference: Vec<f64> = elastic
+        .iter()
+        .zip(rigid)
+        .map(|(elastic, rigid)| elastic - rigid)
+        .collect();
+    high_pass(&mut difference, record.sample_interval);
+    rigid
+        .iter()
+        .zip(&difference)
+        .map(|(rigid, more)| rigid + more)
+        .collect()
+}
+
+/// Removes what lies below [`CROSSOVER`] without a shift in time; the pass band begins as a raised cosine over the
+/// logarithm of the frequency.
+fn high_pass(signal: &mut [f64], interval: f64) {
+    let transform = RealTransform::new(2 * signal.len().next_power_of_two());
+    let df = 1.0 / (interval * transform.length() as f64);
+    let mut lines = transform.lines(signal);
+    for (k, line) in lines.iter_mut().enumerate() {
+        let octave = (k as f64 * df / CROSSOVER[0]).log2() / (CROSSOVER[1] / CROSSOVER[0]).log2();
+        *line *= (0.5 * std::f64::consts::PI * octave.clamp(0.0, 1.0)).sin().powi(2);
     }
-    let below = (position.floor() as usize).min(STATIONS - 2);
-    let upper = position - below as f64;
-    stations[below] += scale * (law - shank) * (1.0 - upper);
-    stations[below + 1] += scale * (law - shank) * upper;
+    let filtered = transform.signal(lines);
+    signal.copy_from_slice(&filtered[..signal.len()]);
+}
+
+impl Resistance {
+    pub(super) fn of(driven: &DrivenFastener) -> Self {
+        match &driven.law {
+            FastenerLaw::Nail(parameters) => Self {
+                curve: Curve::Nail(parameters.penetration_envelope()),
+                length: parameters.nail.length,
+            },
+            FastenerLaw::Fastener(fastener) => {
+                let resistance = FastenerResistance::of(fastener);
+                let friction = driven.friction_share * resistance.shank(fastener.length);
+                Self {
+                    curve: Curve::Fastener(resistance, friction),
+                    length: fastener.length,
+                }
+            }
+        }
+    }
+
+    /// Friction along the shank, force of the tip and force under the head \[N\], of a fastener that moves into the
+    /// wood at `speed` \[m/s\].
+    fn parts(&self, depth: f64, speed: f64) -> [f64; 3] {
+        match &self.curve {
+            Curve::Nail(envelope) => envelope.parts(depth, speed, envelope.usual_impact()),
+            Curve::Fastener(resistance, full_friction) => {
+                let law = resistance.shank(depth);
+                let shank = (full_friction * depth.min(self.length) / self.length).min(law);
+                [shank, law - shank, resistance.head(depth)]
+            }
+        }
+    }
+
+    /// Shares of the stations in F_pen with the tip of a resting fastener at a depth; all of it acts at the surface
+    /// before it is in.
+    pub(super) fn shares(&self, depth: f64) -> [f64; STATIONS] {
+        let mut shares = [0.0; STATIONS];
+        if depth <= 0.0 {
+            shares[0] = 1.0;
+            return shares;
+        }
+        let parts = self.parts(depth, 0.0);
+        if parts.iter().sum::<f64>() > 0.0 {
+            self.spread(parts, (1.0, depth), &mut shares);
+        } else {
+            shares[0] = 1.0;
+        }
+        shares
+    }
+
+    /// Adds a force with the tip at a depth to the stations. The forces of shank, tip and head have the ratios of
+    /// `parts`.
+    fn spread(&self, parts: [f64; 3], (force, depth): (f64, f64), stations: &mut [f64]) {
+        let [shank, tip, head] = parts;
+        let scale = force / (shank + tip + head);
+        stations[0] += scale * head;
+        let position = depth.min(self.length) / self.length * (STATIONS - 1) as f64;
+        for (k, weight) in uniform(position) {
+            stations[k] += scale * shank * weight;
+        }
+        let below = (position.floor() as usize).min(STATIONS - 2);
+        let upper = position - below as f64;
+        stations[below] += scale * tip * (1.0 - upper);
+        stations[below + 1] += scale * tip * upper;
+    }
 }
 
 /// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.
@@ -81,6 +226,27 @@ fn uniform(position: f64) -> impl Iterator<Item = (usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_crossover_passes_5_khz_and_removes_500_hz() {
+        let interval = 4e-6;
+        let tone = |hz: f64| -> Vec<f64> {
+            (0..8192)
+                .map(|n| {
+                    let t = f64::from(n) * interval;
+                    let window = (std::f64::consts::PI * t / (8192.0 * interval)).sin().powi(2);
+                    window * (2.0 * std::f64::consts::PI * hz * t).sin()
+                })
+                .collect()
+        };
+        let energy = |signal: &[f64]| signal.iter().map(|x| x * x).sum::<f64>();
+        for (hz, expected) in [(500.0, 0.0), (5000.0, 1.0)] {
+            let mut signal = tone(hz);
+            let before = energy(&signal);
+            high_pass(&mut signal, interval);
+            assert!((energy(&signal) / before - expected).abs() < 1e-4, "{hz} Hz");
+        }
+    }
 
     #[test]
     fn a_uniform_load_keeps_its_total_and_its_centre() {

@@ -1,26 +1,35 @@
 //! Effects of a shot on workpiece and support: supports, loads, duration.
 
-use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
 use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
-use super::nail_force;
+use super::nail_force::{self, DrivenFastener};
 use crate::error::Error;
+use crate::result::Check;
 use crate::stages::bodies::{Body, ContactCells, STATIONS};
+use crate::stages::cycle::{Cycle, ShotRecord};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
 
+/// Response to the forces of a cycle.
+#[derive(Debug)]
+pub struct OneWay {
+    /// Motion of the bodies.
+    pub response: ModalResponse,
+    /// Checks of the nail's force.
+    pub checks: Vec<Check>,
+}
+
 /// Inputs of a response, except the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShotInputs {
-    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over
-    /// depth.
-    pub parameters: Parameters,
-    /// Share of the penetration resistance at full depth that is friction along the shank.
-    pub friction_share: f64,
+    /// Acceleration of gravity \[m/s2\].
+    pub gravity: f64,
+    /// The fastener in the workpiece; none for a tool that drives none.
+    pub fastener: Option<DrivenFastener>,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
     /// Mass of sand \[kg\] that moves with the base of the workpiece, and the contact cells that carry its weight.
@@ -64,36 +73,27 @@ impl ShotInputs {
     ///
     /// # Errors
     /// Those of the transient solver.
-    pub fn one_way(
-        &self,
-        bodies: &[ModalBody],
-        record: &CycleRecord,
-        force_scale: f64,
-    ) -> Result<ModalResponse, Error> {
-        let loads = self.loads(record, force_scale);
-        Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
+    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<OneWay, Error> {
+        let nail = self.fastener.as_ref().and_then(|own| nail_force::forces(own, shot));
+        let loads = self.loads(shot, nail.as_ref().map(|nail| &nail.stations), force_scale);
+        Ok(OneWay {
+            response: respond(bodies, &self.opened(), &loads, &self.settings())?,
+            checks: nail.map_or_else(Vec::new, |nail| nail.checks),
+        })
     }
 
     /// Cycle and response together, each acting on the other.
     ///
     /// # Errors
     /// Those of the cycle and of the transient solver, and that the two do not agree.
-    pub fn two_way(&self, bodies: &[ModalBody], cycle: &CycleSettings) -> Result<Coupled, Error> {
-        let transient = self.settings();
-        couple(
-            &self.parameters,
-            self.friction_share,
-            cycle,
-            bodies,
-            &self.opened(),
-            &transient,
-        )
+    pub fn two_way(&self, bodies: &[ModalBody], cycle: &Cycle) -> Result<Coupled, Error> {
+        couple(cycle, bodies, &self.opened(), &self.settings())
     }
 
     /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
     /// gravity on every body.
     pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
-        let gravity = self.parameters.ambient.gravity;
+        let gravity = self.gravity;
         let weight = match self.added_sand {
             Some((sand, cells)) if workpiece => body.weight_in_sand(gravity, sand, &cells.grid()),
             _ => body.weight(gravity),
@@ -130,19 +130,20 @@ impl ShotInputs {
     ///
     /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
     /// stays.
-    fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
-        let nail = nail_force::forces(&self.parameters, self.friction_share, record);
-        let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());
-        history.rows_mut(0, STATIONS).copy_from(&nail);
-        for sample in 0..record.len() {
-            history[(coupling::NOSE, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
+    fn loads(&self, shot: &ShotRecord, fastener: Option<&DMatrix<f64>>, force_scale: f64) -> Loads {
+        let mut history = DMatrix::zeros(COUPLED_LOADS, shot.len());
+        if let Some(forces) = fastener {
+            history.rows_mut(0, STATIONS).copy_from(forces);
+        }
+        for (sample, force) in shot.workpiece.iter().flat_map(|on| on.seat.iter().enumerate()) {
+            history[(coupling::NOSE, sample)] = *force;
         }
         history *= force_scale;
         history.row_mut(coupling::GRAVITY).fill(1.0);
         let mut final_values = DVector::zeros(COUPLED_LOADS);
         final_values[coupling::GRAVITY] = 1.0;
         Loads {
-            interval: record.sample_interval,
+            interval: shot.sample_interval,
             history,
             final_values: final_values.as_slice().to_vec(),
         }

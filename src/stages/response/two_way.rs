@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nailnoise_dynamics::{CouplingWork, CycleRecord, Settings};
+use nailnoise_dynamics::CouplingWork;
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupled;
@@ -10,17 +10,18 @@ use super::shot::ShotInputs;
 use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::cycle::{Cycle, ShotRecord};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached};
 
 /// Cycle and response of workpiece and support together, each acting on the other.
 #[derive(Serialize)]
 pub struct CoupledResponse {
-    /// Parameters of the cycle, supports and duration.
+    /// Supports and duration.
     pub shot: ShotInputs,
     /// The bodies.
     pub structure: Structure,
-    /// Settings of the cycle.
-    pub cycle: Settings,
+    /// The cycle.
+    pub cycle: Box<Cycle>,
 }
 
 impl Stage for CoupledResponse {
@@ -43,14 +44,15 @@ impl Stage for CoupledResponse {
 pub struct CoupledCycle(pub Stored<Coupled>);
 
 impl Stage for CoupledCycle {
-    type Output = CycleRecord;
+    type Output = ShotRecord;
     type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle of the coupled response";
     const CODE: Code = CODE;
 
-    fn compute(&self, _: &Progress) -> Result<CycleRecord, Error> {
-        Ok(self.0.get()?.record.clone())
+    fn compute(&self, _: &Progress) -> Result<ShotRecord, Error> {
+        let both = self.0.get()?;
+        Ok(ShotRecord::of_keys(&both.parameters, both.record.clone()))
     }
 }
 

@@ -1,108 +1,50 @@
-//! Forces and pressures on the tool's body at every sample of the cycle.
+//! Forces and pressures on the tool's body at every sample of a shot.
 //!
-//! Gas pressures p are gauge pressures. A uniform pressure exerts no net force on the cycle's rod, piston and head
-//! valve, because A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that the ambient pressure cancels. Along the axis,
-//! downwards,
-//!
-//! ```text
-//! roof within the valve   - p_1 A_i + F_st                                    A_i = pi/4 D_i^2
-//! roof above the valve    - p_h A_h1 + F_hc - F_s + F_fh + thrust
-//! cylinder's rim          p_1 (A_i + A_h3 - A_1) + p_ext A_h2 + F_seat
-//! floor of the cylinder   p_2 A_2 + F_b
-//! cylinder's bore         F_fp, evenly
-//! nose                    - F_n - F_e + F_mag
-//! handle                  F_hm, evenly
-//! ```
-//!
-//! and weight: their sum is the force on the tool in the cycle's equation of motion. In addition, gas presses on walls
-//! without moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
-//! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
-//!
-//! The head valve leaves a stiff cap or seat within less than a sampling interval. The impulse of the contact follows
-//! from the valve's velocity; their means around each sample take the place of the samples ([`impulse_correction`]).
+//! The shot names the surface of each force, down, and of each absolute pressure; gauge pressures p act on walls
+//! without moving the tool. Where a body leaves a stiff stop of the housing within less than a sampling interval, the
+//! mean of its force around each sample takes the place of the sample
+//! ([`ShotRecord::impulse_corrections`](crate::stages::cycle::ShotRecord::impulse_corrections)).
 
-use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::DMatrix;
 
-use crate::stages::bodies::tool_loads::{AXIAL, Axial, Bore, LOADS, PLENUM, RETURN, RINGS, SUPPLY};
+use crate::stages::bodies::tool_loads::{AXIAL, Bore, LOADS, PLENUM, RETURN, RINGS, SUPPLY, axial};
+use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
 
 /// Forces \[N\] and pressures \[Pa\] of all loads: loads x samples.
 ///
 /// # Errors
 /// [`MeshError::UnknownGroup`] for a mesh without a bore.
-pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleRecord) -> Result<DMatrix<f64>, MeshError> {
-    let (p, g) = (parameters, Geometry::new(parameters));
+pub(super) fn histories(mesh: &Mesh, shot: &ShotRecord) -> Result<DMatrix<f64>, MeshError> {
     let bore = Bore::of(mesh)?;
-    let within = 0.25 * std::f64::consts::PI * p.head_valve.inner_diameter.powi(2);
-    // As published, nothing acts on the valve's underside: the ambient pressure on it is not balanced.
-    let underside = match p.model.valve_underside {
-        Form::Corrected => g.valve_cylinder_area,
-        Form::Published => 0.0,
-    };
-    let ambient = p.ambient.pressure;
-    let unbalanced = ambient * (g.valve_control_area - g.valve_supply_area - underside);
-    let f = &record.forces;
-    let impulse_correction = impulse_correction(parameters, record);
-    let mut histories = DMatrix::zeros(LOADS, record.len());
-    for (n, mut column) in histories.column_iter_mut().enumerate() {
-        let over = |volume: &Volume| volume.pressure[n] - ambient;
-        let (above, below) = (over(&record.above_piston), over(&record.below_piston));
-        let (control, supply) = (over(&record.above_valve), over(&record.supply));
-        let mut axial = |place: Axial, force: f64| column[place as usize] += force;
-        axial(Axial::Roof, f.stopper[n] - above * within);
-        axial(
-            Axial::Cap,
-            f.cap[n] - f.spring[n] + f.valve_friction[n] + f.thrust[n] - control * g.valve_control_area - unbalanced,
-        );
-        axial(
-            Axial::Rim,
-            f.seat[n] + above * (within + underside - g.piston_area) + supply * g.valve_supply_area,
-        );
-        axial(nearest_stop(parameters, record, n), impulse_correction[n]);
-        axial(Axial::Floor, f.bumper[n] + below * g.ring_area);
-        axial(Axial::Bore, f.piston_friction[n]);
-        axial(Axial::Nose, f.magazine[n] - f.nose[n] - f.guard[n]);
-        axial(Axial::Handle, f.hand[n]);
-        for ring in 0..RINGS {
-            let share = bore.above(ring, record.motion.piston_travel[n]);
-            column[AXIAL + ring] = share * above + (1.0 - share) * below;
+    let ambient = shot.ambient_pressure;
+    let mut histories = DMatrix::zeros(LOADS, shot.len());
+    for load in shot.loads.iter().chain(&shot.impulse_corrections) {
+        if let Some(place) = axial(&load.surface) {
+            let row = histories.row_mut(place).into_iter();
+            row.zip(&load.force).for_each(|(sum, force)| *sum += force);
         }
-        column[SUPPLY] = supply;
-        column[RETURN] = over(&record.return_volume);
-        column[PLENUM] = record.exhaust.plenum_pressure[n] - ambient;
+    }
+    for wall in &shot.pressures {
+        let place = match wall.surface.as_str() {
+            BORE => {
+                for sample in 0..shot.len() {
+                    for ring in 0..RINGS {
+                        let share = bore.above(ring, wall.divide[sample]);
+                        let (above, below) = (wall.pressure[sample] - ambient, wall.below[sample] - ambient);
+                        histories[(AXIAL + ring, sample)] = share * above + (1.0 - share) * below;
+                    }
+                }
+                continue;
+            }
+            "jacket" => SUPPLY,
+            RETURN_WALL => RETURN,
+            "plenum" => PLENUM,
+            _ => continue,
+        };
+        for (sample, pressure) in wall.pressure.iter().enumerate() {
+            histories[(place, sample)] = pressure - ambient;
+        }
     }
     Ok(histories)
-}
-
-/// The stop that the head valve is nearer to at a sample.
-fn nearest_stop(parameters: &Parameters, record: &CycleRecord, sample: usize) -> Axial {
-    if record.motion.valve_lift[sample] > 0.5 * parameters.head_valve.lift {
-        Axial::Cap
-    } else {
-        Axial::Rim
-    }
-}
-
-/// Mean force of the head valve on its stops around each sample, less the sampled one, down \[N\].
-///
-/// Between two samples at an interval h, the valve's momentum changes by M_h (v' - v). Gas, spring, friction and
-/// weight, M_h a + cap + seat, change it by their mean, for they are smooth; the rest is the impulse of cap and seat.
-/// Half of it counts at either sample.
-pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) -> Vec<f64> {
-    let (valve, interval, mass) = (&record.head_valve, record.sample_interval, parameters.head_valve.mass);
-    let sampled = |n: usize| record.forces.cap[n] + record.forces.seat[n];
-    let smooth = |n: usize| mass * valve.acceleration[n] + sampled(n);
-    let mut forces: Vec<f64> = (0..record.len()).map(|n| -sampled(n)).collect();
-    for n in 1..record.len() {
-        let gained = mass * (valve.velocity[n] - valve.velocity[n - 1]) / interval;
-        let force = 0.5 * (smooth(n - 1) + smooth(n)) - gained;
-        forces[n - 1] += 0.5 * force;
-        forces[n] += 0.5 * force;
-    }
-    // Half an interval is missing at either end, while the valve rests.
-    for end in [0, record.len() - 1] {
-        forces[end] += 0.5 * sampled(end);
-    }
-    forces
 }

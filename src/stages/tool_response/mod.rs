@@ -15,7 +15,6 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use nailnoise_acoustics::radiation::radiator::FluidLoads;
-use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -25,7 +24,8 @@ use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
-use crate::stages::bodies::tool_loads::{AXIAL, Axial, LOADS, MASS_LIMIT};
+use crate::stages::bodies::tool_loads::{AXIAL, HANDLE, LOADS, MASS_LIMIT, axial};
+use crate::stages::cycle::ShotRecord;
 
 /// Code that the stages of this module call.
 const CODE: Code = code!(
@@ -41,12 +41,27 @@ const CODE: Code = code!(
 /// Inputs of the response of the tool, except its body and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ToolShot {
-    /// Parameters of the cycle: areas under gas pressure, the tool's mass, and stiffness of contacts.
-    pub parameters: Parameters,
+    /// Acceleration of gravity \[m/s2\].
+    pub gravity: f64,
+    /// Mass of the tool in the cycle \[kg\].
+    pub mass: f64,
+    /// Contacts of the cycle with the housing whose stiffness the body's is compared with.
+    pub contacts: Vec<HousingContact>,
     /// Step \[s\].
     pub step: f64,
     /// Time simulated \[s\].
     pub duration: f64,
+}
+
+/// A lumped contact of the cycle with the housing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HousingContact {
+    /// Surface of the housing.
+    pub surface: &'static str,
+    /// Where, in words.
+    pub place: &'static str,
+    /// Its stiffness \[N/m\].
+    pub stiffness: f64,
 }
 
 /// Response of the tool's elastic body to a cycle.
@@ -61,7 +76,7 @@ pub struct ToolResponse {
     /// Fluid loads of the air on its modes, if the air acts on them.
     pub fluid: Option<Stored<Vec<FluidLoads>>>,
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
 }
 
 impl Stage for ToolResponse {
@@ -96,8 +111,8 @@ pub struct ToolReport {
 pub struct ToolChecks {
     /// Checks of modes and response.
     pub checks: Vec<Check>,
-    /// Stiffness of the body at cap and cylinder rim, and that of the cycle's contacts.
-    pub stiffness: [Stiffness; 2],
+    /// Stiffness of the body at the cycle's contacts, and theirs.
+    pub stiffness: Vec<Stiffness>,
 }
 
 impl Stage for ToolReport {
@@ -150,11 +165,10 @@ impl ToolShot {
         body: &Body,
         loss_factor: f64,
         fluid: Option<&FluidLoads>,
-        record: &CycleRecord,
+        record: &ShotRecord,
     ) -> Result<Vibration, Error> {
-        let parameters = &self.parameters;
-        let guided = Guided::new(body, parameters.ambient.gravity);
-        let loads = loads(&guided, forces::histories(parameters, &body.mesh, record)?, record);
+        let guided = Guided::new(body, self.gravity);
+        let loads = loads(&guided, forces::histories(&body.mesh, record)?, record);
         let modal = ModalBody {
             name: body.name.to_owned(),
             omega: body.omega.clone(),
@@ -176,25 +190,23 @@ impl ToolShot {
         };
         let response = respond(&[modal], &[], &loads, &settings)?;
         Ok(Vibration {
-            checks: guided.checks(parameters, record, &loads, (&response, coordinates.as_ref()))?,
+            checks: guided.checks(self.mass, record, &loads, (&response, coordinates.as_ref()))?,
             response: Arc::new(response),
             coordinates: vec![coordinates],
         })
     }
 
     /// Stiffness of the body at the cycle's contacts.
-    fn stiffness(&self, body: &Body) -> [Stiffness; 2] {
-        let Parameters { ambient, contacts, .. } = &self.parameters;
-        let guided = Guided::new(body, ambient.gravity);
-        [
-            (Axial::Cap, "cap", contacts.cap_stiffness),
-            (Axial::Rim, "cylinder's rim", contacts.seat_stiffness),
-        ]
-        .map(|(place, name, contact)| Stiffness {
-            place: name.into(),
-            body: 1.0 / compliance(body, &guided.loads, place as usize),
-            contact,
-        })
+    fn stiffness(&self, body: &Body) -> Vec<Stiffness> {
+        let guided = Guided::new(body, self.gravity);
+        let stiffness = |contact: &HousingContact| {
+            Some(Stiffness {
+                place: contact.place.into(),
+                body: 1.0 / compliance(body, &guided.loads, axial(contact.surface)?),
+                contact: contact.stiffness,
+            })
+        };
+        self.contacts.iter().filter_map(stiffness).collect()
     }
 }
 
@@ -245,18 +257,25 @@ impl Guided {
 
     fn checks(
         &self,
-        parameters: &Parameters,
-        record: &CycleRecord,
+        mass: f64,
+        record: &ShotRecord,
         loads: &Loads,
         (response, coordinates): (&ModalResponse, Option<&DMatrix<f64>>),
     ) -> Result<Vec<Check>, Error> {
-        let (tool, mass) = (&record.tool, parameters.tool.mass);
+        let still = nailnoise_dynamics::Body::default();
+        let tool = record.tool.as_ref().unwrap_or(&still);
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()));
         let force = mass * largest(&tool.acceleration);
         let sums = loads.history.tr_mul(&self.resultants());
-        let correction = forces::impulse_correction(parameters, record);
+        let mut corrections = vec![0.0; record.len()];
+        for own in &record.impulse_corrections {
+            corrections
+                .iter_mut()
+                .zip(&own.force)
+                .for_each(|(sum, force)| *sum += force);
+        }
         let gap = |((sum, beside), a): ((&f64, &f64), &f64)| (sum - beside - mass * a).abs();
-        let sums = sums.iter().zip(&correction).zip(&tool.acceleration);
+        let sums = sums.iter().zip(&corrections).zip(&tool.acceleration);
         let off = sums.map(gap).fold(0.0, f64::max);
         let stray = |sample: usize| {
             let pressures = loads.history.column(sample);
@@ -313,11 +332,11 @@ fn rest(body: &ModalBody, loads: &Loads) -> ModalState {
 
 /// The loads of a shot. After the record inner forces retain their values and the hand takes up the remainder of the
 /// others: the tool floats on; its landing is not part of the shot.
-fn loads(guided: &Guided, histories: DMatrix<f64>, record: &CycleRecord) -> Loads {
+fn loads(guided: &Guided, histories: DMatrix<f64>, record: &ShotRecord) -> Loads {
     let mut history = DMatrix::from_element(LOADS + 1, record.len(), 1.0);
     history.rows_mut(0, LOADS).copy_from(&histories);
     let mut last = history.column(record.len() - 1).into_owned();
-    last[Axial::Handle as usize] -= guided.resultants().dot(&last);
+    last[HANDLE] -= guided.resultants().dot(&last);
     Loads {
         interval: record.sample_interval,
         history,

@@ -268,7 +268,7 @@ pub fn predict(
             .find(|(name, _)| Some(name) == block.map(|own| &own.name))?;
         Some(own.1)
     };
-    let own_speed = shot.cycle.summary.mean_drive_speed;
+    let own_speed = shot.cycle.figures.get("mean_drive_speed");
     Ok(Predicted {
         name: design.name().to_owned(),
         setup: test.arrangement.setup,

@@ -8,31 +8,31 @@ use std::collections::HashMap;
 /// A surface that is valid for the exterior problem: closed (or open only where it stands on the floor), with normals
 /// into the air, and above the floor.
 ///
-/// If body and air are symmetric about planes of constant x or y, only the part on the upper side of those planes is
-/// needed; it is open in them.
+/// If body and air are symmetric about planes of constant x or y, only the part above those planes is needed; it is
+/// open there.
 #[derive(Clone, Debug)]
 pub struct Boundary {
     mesh: BoundaryMesh,
     planes: [Option<f64>; 3],
     original: Vec<usize>,
     node: Vec<usize>,
-    /// Planes that contain each unknown, a bit an axis, and [`FREE_EDGE`].
+    /// Planes that contain each unknown, one bit per axis, and [`FREE_EDGE`].
     in_planes: Vec<u8>,
     nodes: usize,
     repairs: Repairs,
 }
 
-/// Bit of an unknown on the free edge of a flat surface.
+/// Bit that marks an unknown on the free edge of a flat surface.
 const FREE_EDGE: u8 = 8;
 
-/// Changes that made a surface valid.
+/// Changes made to obtain a valid surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
     /// Number of panels whose normal was reversed.
     pub flipped: usize,
-    /// Number of panels that were removed because they lie on the floor or in a mirror plane.
+    /// Number of panels removed because they lie on the floor or in a mirror plane.
     pub on_floor: usize,
-    /// Number of panels of the surface given.
+    /// Number of panels before the changes.
     pub panels: usize,
 }
 
@@ -59,8 +59,8 @@ impl Boundary {
         Self::symmetric(mesh, [None; 2], floor)
     }
 
-    /// As [`Boundary::new`], for a body that is symmetric about the planes x = `mirrors[0]` and y = `mirrors[1]` \[m\]:
-    /// `mesh` is the part above them.
+    /// Same as [`Boundary::new`] for a body that is symmetric about the planes x = `mirrors[0]` and y = `mirrors[1]`
+    /// \[m\]: `mesh` is the part above them.
     ///
     /// # Errors
     /// Those of [`Boundary::new`], and [`BemError::MirrorThroughPart`].
@@ -69,7 +69,7 @@ impl Boundary {
     }
 
     /// A flat surface with free edges, the midplane of a thin plate, for a [`Plate`](crate::bem::Plate). Its normals
-    /// point to one side; about `mirrors` as in [`Boundary::symmetric`].
+    /// point to one side; for `mirrors`, see [`Boundary::symmetric`].
     ///
     /// # Errors
     /// Those of [`Boundary::symmetric`], and [`BemError::NotFlat`].
@@ -193,7 +193,7 @@ impl Boundary {
         [self.planes[0], self.planes[1]]
     }
 
-    /// Number of symmetric parts of the whole body.
+    /// Number of symmetric parts of the complete body.
     pub fn copies(&self) -> usize {
         1 << self.mirrors().iter().flatten().count()
     }
@@ -202,12 +202,12 @@ impl Boundary {
         &self.planes
     }
 
-    /// All images in floor and mirror planes, the surface itself first.
+    /// All images in floor and mirror planes, beginning with the surface itself.
     pub(crate) fn images(&self) -> Vec<Image> {
         Image::all(&self.planes)
     }
 
-    /// A coordinate of an image's point.
+    /// A coordinate of the image of a point.
     pub(crate) fn mirrored(&self, image: Image, axis: usize, x: f64) -> f64 {
         match self.planes[axis] {
             Some(plane) if image.sign_along(axis) < 0.0 => 2.0 * plane - x,
@@ -215,32 +215,32 @@ impl Boundary {
         }
     }
 
-    /// Number of each panel in the mesh that was given.
+    /// Index of each panel in the original mesh.
     pub fn original(&self) -> &[usize] {
         &self.original
     }
 
-    /// Changes that made the surface valid.
+    /// Changes made to obtain a valid surface.
     pub fn repairs(&self) -> Repairs {
         self.repairs
     }
 
-    /// Number of pressure unknowns: the panels' corners.
+    /// Number of pressure unknowns: the corners of the panels.
     pub fn nodes(&self) -> usize {
         self.nodes
     }
 
-    /// Number of values that describe a normal velocity: the corners of every panel, panel by panel.
+    /// Number of values that describe a normal velocity: one for each corner of each panel, panel by panel.
     pub fn velocity_values(&self) -> usize {
         self.mesh.panels.iter().map(|p| p.corners().len()).sum()
     }
 
-    /// The pressure unknown at a point of the mesh; none at mid-sides.
+    /// The pressure unknown at a point of the mesh; none at mid-side nodes.
     pub fn node_of(&self, point: usize) -> Option<usize> {
         (self.node[point] != usize::MAX).then(|| self.node[point])
     }
 
-    /// Numbers the pressure unknowns in order of first use by `panels`, which must be all panels.
+    /// Numbers the pressure unknowns in the order of first use by `panels`, which must contain all panels.
     pub(crate) fn number_nodes<'a>(&mut self, panels: impl Iterator<Item = &'a usize>) {
         let (mut number, mut in_planes) = (vec![usize::MAX; self.node.len()], Vec::with_capacity(self.nodes));
         for &panel in panels {
@@ -254,12 +254,12 @@ impl Boundary {
         (self.node, self.in_planes) = (number, in_planes);
     }
 
-    /// Whether the surface ends on the floor.
+    /// Whether the surface has an edge on the floor.
     pub fn stands_on_floor(&self) -> bool {
         self.in_planes.iter().any(|mask| mask & 4 != 0)
     }
 
-    /// Planes that contain an unknown, a bit an axis.
+    /// Planes that contain an unknown, one bit per axis.
     pub(crate) fn in_planes(&self, node: usize) -> u8 {
         self.in_planes[node]
     }
@@ -269,12 +269,12 @@ impl Boundary {
         self.in_planes[node] & FREE_EDGE != 0
     }
 
-    /// Highest frequency at which every panel's edges measure at most 1/`per_wavelength` of a wave \[Hz\].
+    /// Highest frequency at which the edges of all panels are at most 1/`per_wavelength` of a wavelength \[Hz\].
     pub fn highest_hz(&self, sound_speed: f64, per_wavelength: f64) -> f64 {
         sound_speed / (per_wavelength * self.mesh.longest_edge())
     }
 
-    /// Extents of the box around the whole body, x, y, z \[m\].
+    /// Extents of the bounding box of the complete body along x, y and z \[m\].
     pub fn extents(&self) -> Vector3<f64> {
         let mut low = Vector3::repeat(f64::INFINITY);
         let mut high = -low;
@@ -293,8 +293,8 @@ impl Boundary {
         panel.corners().iter().filter_map(|&c| self.node_of(c))
     }
 
-    /// Largest distance between two points of the box around the whole body, or between a point and the floor image of
-    /// another \[m\].
+    /// Largest distance between two points of the bounding box of the complete body, or between a point and the floor
+    /// image of another \[m\].
     pub(crate) fn longest_path(&self) -> f64 {
         let mut sides = self.extents();
         if let Some(floor) = self.planes()[2] {
@@ -305,14 +305,14 @@ impl Boundary {
         sides.norm()
     }
 
-    /// Half the middle one of the surface's three extents \[m\]: the cap L_c of the coupling parameter.
+    /// Half of the second-largest extent of the surface \[m\]: the limit L_c of the coupling parameter.
     pub fn half_width(&self) -> f64 {
         let extents = self.extents();
         0.5 * (extents.sum() - extents.min() - extents.max())
     }
 
-    /// Projects normal velocities, given as functions of the point, on the corner functions of every panel: the
-    /// least-squares fit on each panel separately, which preserves the volume flow of the panel.
+    /// Projects normal velocities, given as functions of position, on the corner functions of each panel. The
+    /// least-squares fit on each panel preserves its volume flow.
     ///
     /// `velocity(panel, xi, point, values)` writes one value per pattern; the result is velocity values x patterns.
     pub fn project(
@@ -355,10 +355,10 @@ impl Boundary {
         result
     }
 
-    /// Normal components of displacement fields given at the mesh's points, (3 x points) x modes, as corner values.
+    /// Normal components, as corner values, of displacement fields given at the mesh's points, (3 x points) x modes.
     ///
     /// # Errors
-    /// [`InputError::Length`](crate::InputError) for another number of rows.
+    /// [`InputError::Length`](crate::InputError) if the number of rows is wrong.
     pub fn project_displacements(&self, fields: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
         crate::checks::same_length(
             "rows of the modal displacements",
@@ -392,7 +392,7 @@ fn extent(mesh: &BoundaryMesh) -> f64 {
 /// The panel across an edge, and whether it traverses the edge in the same direction (its normal is then reversed).
 type Beyond = (usize, bool);
 
-/// The panel across every edge of every panel, and the edges of one panel that lie in no plane.
+/// The panel across every edge of every panel, and the edges of a single panel that lie in no plane.
 type Neighbours = (Vec<Vec<Beyond>>, Vec<(usize, usize)>);
 
 fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Neighbours, BemError> {
@@ -426,7 +426,7 @@ fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Neighbours, BemEr
     Ok((result, open))
 }
 
-/// Reverses panels until all normals point out of the bodies; returns the number of reversed panels.
+/// Reverses panels until all normals point out of the bodies; returns the number of panels reversed.
 fn orient(mesh: &mut BoundaryMesh, neighbours: &[Vec<Beyond>], base: f64) -> usize {
     let mut turned: Vec<Option<bool>> = vec![None; mesh.panels.len()];
     for seed in 0..mesh.panels.len() {

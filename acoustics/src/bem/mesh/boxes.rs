@@ -5,25 +5,25 @@ use nalgebra::Point3;
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// Smallest number of panels between two grid lines: the pressure varies strongly near edges, and a single panel across
-/// the side of a plate underestimates the power of in-plane motion by 6 %.
+/// Smallest number of panels between two grid lines. The pressure varies strongly near edges; with a single panel
+/// across the side of a plate, the power of in-plane motion is underestimated by 6 %.
 const LEAST: f64 = 2.0;
 
-/// A box with edges along the axes, part of a body.
+/// An axis-aligned box that is part of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SolidBox {
     /// Corner with the smallest coordinates \[m\].
     pub low: [f64; 3],
     /// Corner with the largest coordinates \[m\].
     pub high: [f64; 3],
-    /// Number of the part it belongs to.
+    /// Index of the part it belongs to.
     pub part: usize,
 }
 
-/// A side of a part: outward along an axis, or against it.
+/// A side of a part, with an outward normal along or against an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Side {
-    /// Number of the part.
+    /// Index of the part.
     pub part: usize,
     /// Axis of the normal.
     pub axis: usize,
@@ -32,15 +32,15 @@ pub struct Side {
 }
 
 impl BoundaryMesh {
-    /// The surface of a union of boxes as rectangles with sides of at most `edge` \[m\]; contact areas between boxes
-    /// are left out. Grid lines run through every side of every box, with at least two rectangles between neighbouring
+    /// The surface of a union of boxes as rectangles with sides of at most `edge` \[m\], excluding contact areas
+    /// between boxes. Grid lines run through every side of every box, with at least two rectangles between adjacent
     /// lines.
     ///
     /// For a body that is symmetric about planes or stands on a floor, only the part above those `planes` \[m\] is
     /// meshed. `patch` returns the index of a side's patch in `patches`.
     ///
     /// # Errors
-    /// [`MeshError`] for sides or edges that are not positive.
+    /// [`MeshError`] unless all sides and `edge` are positive.
     pub fn of_boxes(
         boxes: &[SolidBox],
         planes: [Option<f64>; 3],
@@ -51,11 +51,11 @@ impl BoundaryMesh {
         Self::of_boxes_fine_at(boxes, planes, (edge, &[]), patches, patch)
     }
 
-    /// As [`BoundaryMesh::of_boxes`], with grid lines that get closer towards the `rims` of gaps: the first rectangle
-    /// there is half as wide as the gap is high, and each next one twice as wide.
+    /// Same as [`BoundaryMesh::of_boxes`], with grid lines that become denser towards the `rims` of gaps: the first
+    /// rectangle is half as wide as the gap is high, and each further one is twice as wide as the one before.
     ///
     /// # Errors
-    /// As [`BoundaryMesh::of_boxes`].
+    /// Same as [`BoundaryMesh::of_boxes`].
     pub fn of_boxes_fine_at(
         boxes: &[SolidBox],
         planes: [Option<f64>; 3],
@@ -115,7 +115,7 @@ impl BoundaryMesh {
     }
 }
 
-/// Grid lines across an axis: all sides of boxes above the plane, with stretches divided.
+/// Grid lines across an axis: all sides of boxes above the plane, with subdivided intervals.
 fn grid_line(
     boxes: &[SolidBox],
     axis: usize,
@@ -169,8 +169,8 @@ fn width_at(rims: &[Rim], axis: usize, at: f64, tolerance: f64) -> f64 {
     widths.fold(f64::INFINITY, f64::min)
 }
 
-/// Adds the grid lines of a stretch: rectangles of the widths `first` at its ends, each twice as wide as the one
-/// before, and others of at most `edge` \[m\].
+/// Adds the grid lines of an interval: rectangles of the widths `first` at its ends, each further one twice as wide as
+/// the one before, up to a width of `edge` \[m\].
 fn stretch(line: &mut Vec<f64>, [from, to]: [f64; 2], edge: f64, first: [f64; 2]) -> Result<(), MeshError> {
     let graded = first.iter().filter(|width| **width < edge).count();
     let room = (to - from) / graded.max(1) as f64;
@@ -202,7 +202,7 @@ fn stretch(line: &mut Vec<f64>, [from, to]: [f64; 2], edge: f64, first: [f64; 2]
     Ok(())
 }
 
-/// Grid indices of the corners of a cell's side, outward by the right-hand rule.
+/// Grid indices of the corners of a cell's side, ordered for an outward normal.
 fn corners(cell: [usize; 3], axis: usize, upper: bool) -> [[usize; 3]; 4] {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut order = [(0, 0), (1, 0), (1, 1), (0, 1)];

@@ -1,14 +1,14 @@
-//! Thin gaps of air between a surface and the floor below it, and panels that resolve the flow at their rims.
+//! Thin air gaps between a surface and the floor below, and panels that resolve the flow at their rims.
 //!
-//! Between a surface and a floor at the height h below it the pressure obeys Reynolds' equation and varies over the
-//! extent of the gap, not over its height: panels may be many heights wide there. At the rim, where the gap opens, the
-//! flow turns within a distance of about h. Wide panels put the rim in the wrong place: they change the end correction
-//! of the gap by about 0.04 of their width w, however high the gap is. The mass of the air in it is proportional to the
-//! cube of its extent. That mass and the radiated power are therefore off by about 3 0.04 w P/A, where A is the area of
-//! the gap and P the length of its rim. Therefore panels are small at the rim, half as wide as the gap is high, and
-//! grow with their distance from it.
+//! In a gap of height h between a surface and the floor, the pressure obeys Reynolds' equation and varies over the
+//! lateral extent of the gap, so panels may be many heights wide. At the rim, where the gap opens, the flow turns
+//! within a distance of about h. Wide panels misplace the rim: they change the end correction of the gap by about 0.04
+//! of their width w, whatever its height. The mass of the air in the gap is proportional to the cube of its extent.
+//! That mass and the radiated power are therefore in error by about 3 0.04 w P/A, where A is the area of the gap and P
+//! the length of its rim. Panels are therefore small at the rim, half as wide as the gap is high, and grow with their
+//! distance from it.
 //!
-//! Source of the constants: blocks that heave 2 to 20 mm above a floor, `docs/verification.md`.
+//! The constants are from blocks that heave 2 to 20 mm above a floor, see `docs/verification.md`.
 
 use super::boundary::Boundary;
 use super::panel::BoundaryMesh;
@@ -17,70 +17,70 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Width of the panels at the rim of a gap over its height.
+/// Width of the panels at the rim of a gap, relative to its height.
 pub(crate) const RIM_WIDTH: f64 = 0.5;
 
-/// By how much panels may be wider per distance from the rim: each twice as wide as its neighbour.
+/// Increase in panel width per distance from the rim: each panel may be twice as wide as its neighbour.
 pub(crate) const GROWTH: f64 = 1.0;
 
-/// Height below which a gap is resolved as if it had this height \[m\]: below it the equations, which neglect
-/// viscosity, do not merit finer panels.
+/// Gap height below which panels are not refined further \[m\]; there, the neglect of viscosity outweighs the
+/// discretisation error.
 pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Largest height of a thin gap over its area per length of rim: a strip is at least four times as wide as high, a
-/// square eight times. At the edges of higher gaps panels need not be finer than at other edges.
+/// Largest ratio of the height of a thin gap to its area per rim length: a strip is at least four times as wide as it
+/// is high, a square eight times. At the edges of higher gaps, panels need not be finer than at other edges.
 const THIN: f64 = 0.5;
 
-/// Tolerance factor: rounding must not make panels of exactly the wanted width too wide.
+/// Tolerance factor for rounding in panels of exactly the required width.
 const SLACK: f64 = 1.001;
 
-/// Least cosine of the angle at which a panel faces the floor: between its normal and the vertical. The same applies to
-/// a panel that hides the floor.
+/// Smallest cosine of the angle between the normal and the vertical for which a panel faces the floor. The same limit
+/// applies to a panel that hides the floor.
 const FACING: f64 = 0.5;
 
-/// Cosine of the angle between two panels above which the surface is not sharp.
+/// Cosine of the angle between two panels above which the edge is not sharp.
 const SHARP: f64 = 0.866;
 
-/// Error of the mass of the air in a gap over w P/A: three times the change of the end correction over the width of
-/// panels, 0.04, which makes 0.12. Chosen: 0.15, a quarter more, because the study has rectangular blocks and one
-/// cylinder only. The errors found there are 4.8 and 6.2 % of 7.5 %; the constant widens an uncertainty and changes no
-/// level.
+/// Error in the mass of the air in a gap relative to w P/A: three times the change 0.04 of the end correction per panel
+/// width, that is 0.12. The value chosen is 0.15, a quarter more, because the study contains only rectangular blocks
+/// and one cylinder. The errors found there are 4.8 and 6.2 %, with a bound of 7.5 %; the constant widens an
+/// uncertainty and does not change any level.
 const MASS_ERROR: f64 = 0.15;
 
-/// Error of the power in third octaves over w P/A: for panels at the rim that are narrower than the gap is high, and
-/// for wider ones. Near resonances of the gap the power depends strongly on its extent, more so in thinner gaps.
+/// Error of the power in third octaves relative to w P/A \[dB\]: for rim panels narrower than the gap is high, and for
+/// wider ones. Near resonances of the gap, the power depends strongly on its extent, especially in thin gaps.
 const BAND_ERROR: [f64; 2] = [1.0, 1.5];
 
-/// Error of the power in wide bands over w P/A. In such bands, shifts of resonances cancel.
+/// Error of the power in wide bands relative to w P/A \[dB\]. Shifts of resonances cancel in such bands.
 const LEVEL_ERROR: f64 = 0.5;
 
-/// A thin gap: a connected part of the surface that is closer to the floor than half its area divided by the length of
-/// its rim.
+/// A thin gap: a connected part of the surface whose distance from the floor is less than half its area divided by the
+/// length of its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Smallest height \[m\].
     pub height: f64,
-    /// Area over the length of the rim \[m\]: half the width of a strip, half the radius of a disc.
+    /// Area divided by the length of the rim \[m\]: half the width of a strip, half the radius of a disc.
     pub extent: f64,
-    /// Width of the widest panel at its rim, across the rim \[m\].
+    /// Width across the rim of the widest panel at the rim \[m\].
     pub panel_width: f64,
 }
 
 impl Gap {
-    /// Bound of the relative error of the mass of the air in the gap, and of the power below its resonances.
+    /// Bound on the relative error of the mass of the air in the gap, and of the power below its resonances.
     ///
-    /// Measured on a block that heaves 2 to 20 mm above a floor with panels of 0.25 to 7.5 heights;
+    /// Determined with a block that heaves 2 to 20 mm above a floor, with panels of 0.25 to 7.5 heights; see
     /// `docs/verification.md`.
     pub fn mass_error(&self) -> f64 {
         MASS_ERROR * self.panel_width / self.extent
     }
 
-    /// Bound of the error of the power in third octaves \[dB\], of motion that pumps the air in the gap.
+    /// Bound on the error of the power in third octaves \[dB\], for motion that pumps air through the gap.
     ///
-    /// Measured as [`Gap::mass_error`], from 0.3 to 2 kHz.
+    /// Determined as for [`Gap::mass_error`], from 0.3 to 2 kHz.
     pub fn band_error_db(&self) -> f64 {
         let [narrow, wide] = BAND_ERROR;
-        // Equal up to rounding where the panels are made so.
+        // Panels made for this height have it up to rounding.
         let error = if self.panel_width < SLACK * self.height {
             narrow
         } else {
@@ -89,9 +89,9 @@ impl Gap {
         10.0 * (1.0 + error * self.panel_width / self.extent).log10()
     }
 
-    /// Bound of the error of the power in all bands together \[dB\].
+    /// Bound on the error of the total power over all bands \[dB\].
     ///
-    /// Measured as [`Gap::band_error_db`].
+    /// Determined as for [`Gap::band_error_db`].
     pub fn level_error_db(&self) -> f64 {
         10.0 * (1.0 + LEVEL_ERROR * self.panel_width / self.extent).log10()
     }
@@ -107,7 +107,7 @@ pub struct Rim {
 }
 
 impl Rim {
-    /// Largest length that the side of a panel between two points may have \[m\].
+    /// Largest allowed length of a panel side between two points \[m\].
     fn side(&self, [a, b]: [Point3<f64>; 2], width: f64) -> f64 {
         let along = self.ends[1] - self.ends[0];
         let apart = |x: Point3<f64>| {
@@ -119,23 +119,23 @@ impl Rim {
     }
 }
 
-/// Largest length that the side of a panel between two points may have by all `rims` \[m\], with panels of `width`
-/// heights at them.
+/// Largest length of a panel side between two points that all `rims` allow \[m\], with panels of `width` heights at the
+/// rims.
 pub(crate) fn longest_side(rims: &[Rim], ends: [Point3<f64>; 2], width: f64) -> f64 {
     let sides = rims.iter().map(|rim| rim.side(ends, width));
     sides.fold(f64::INFINITY, f64::min)
 }
 
-/// All thin gaps between a surface and the floor, and their rims: edges at which it turns by more than 30 degrees. Gaps
-/// between two parts of a surface are not among them, because bounds are not known there, and neither are those that
-/// open along a fillet.
+/// All thin gaps between a surface and the floor, and their rims: edges across which the surface turns by more than 30
+/// degrees. Gaps between two parts of a surface are excluded because their error bounds are unknown, and so are gaps
+/// that open along a fillet.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
     all: Vec<(Gap, Vec<Rim>)>,
 }
 
 impl Gaps {
-    /// Finds the gaps of a surface by the distance from the middle of each panel along its normal to the floor.
+    /// Finds the gaps of a surface from the distance between each panel's centre and the floor along its normal.
     pub fn of(boundary: &Boundary) -> Self {
         let heights = heights(boundary);
         if heights.iter().all(Option::is_none) {
@@ -144,7 +144,7 @@ impl Gaps {
         let mesh = boundary.mesh();
         let normals: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(|p| normal(mesh, p)).collect();
         let edges = edges(mesh);
-        // A panel above the floor is grouped with its neighbours at a similar height.
+        // A panel above the floor is grouped with neighbours of similar height.
         let similar = |p: usize, q: usize| match (heights[p], heights[q]) {
             (Some(a), Some(b)) => a.max(b) <= 2.0 * a.min(b) || normals[p].dot(&normals[q]) > SHARP,
             _ => false,
@@ -170,7 +170,7 @@ impl Gaps {
         let mut sorted: Vec<_> = edges.iter().collect();
         sorted.sort();
         for (&(a, b), panels) in sorted {
-            // An edge of one panel lies in a plane of reflection, where the gap continues.
+            // An edge of a single panel lies in a mirror plane, where the gap continues.
             let [p, q] = panels[..] else { continue };
             for (own, other) in [(p, q), (q, p)] {
                 let Some(height) = heights[own] else { continue };
@@ -178,7 +178,7 @@ impl Gaps {
                     continue;
                 }
                 let ends = [mesh.points[a], mesh.points[b]];
-                // At the closed end of a slot the surface turns into the air.
+                // At the closed end of a slot, the surface turns towards the air.
                 let turn =
                     (mesh.point_at(other, mesh.panels[other].kind().centre()).position - ends[0]).dot(&normals[own]);
                 if turn > 0.0 || heights[other].is_some_and(|beyond| beyond < height) {
@@ -219,18 +219,18 @@ impl Gaps {
         Self { all }
     }
 
-    /// The gaps, the narrowest first.
+    /// The gaps, in ascending order of height.
     pub fn iter(&self) -> impl Iterator<Item = &Gap> {
         self.all.iter().map(|(gap, _)| gap)
     }
 
-    /// The gap that has the largest error.
+    /// The gap with the largest error.
     pub fn worst(&self) -> Option<Gap> {
         let error = |gap: &&Gap| gap.panel_width / gap.extent;
         self.iter().max_by(|a, b| error(a).total_cmp(&error(b))).copied()
     }
 
-    /// Rims of the gaps whose panels are wider than half their height.
+    /// Rims of gaps where panels are wider than half the height.
     pub fn coarse_rims(&self) -> Vec<Rim> {
         let coarse = self
             .all
@@ -247,7 +247,7 @@ fn root(group: &[usize], mut p: usize) -> usize {
     p
 }
 
-/// Panels at each edge.
+/// Panels adjacent to each edge.
 fn edges(mesh: &BoundaryMesh) -> HashMap<(usize, usize), Vec<usize>> {
     let mut edges: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
     for (p, panel) in mesh.panels.iter().enumerate() {
@@ -271,8 +271,8 @@ fn longest(mesh: &BoundaryMesh, panel: usize) -> f64 {
     (0..c.len()).map(side).fold(0.0, f64::max)
 }
 
-/// Distance from the middle of every panel along its normal to the floor \[m\]; none where the floor is not below it,
-/// is farther away than half the extent of the body, or is hidden by another panel.
+/// Distance from each panel's centre to the floor along its normal \[m\]; none if the floor is not below it, is farther
+/// away than half the extent of the body, or is hidden by another panel.
 fn heights(boundary: &Boundary) -> Vec<Option<f64>> {
     let mesh = boundary.mesh();
     let farthest = 0.5 * boundary.extents().max();
@@ -307,7 +307,7 @@ struct Facet {
 }
 
 impl Facet {
-    /// Distance at which a ray meets the triangle from the side of the air \[m\].
+    /// Distance at which a ray hits the triangle from the air side \[m\].
     fn hit(&self, from: Point3<f64>, along: Vector3<f64>) -> Option<f64> {
         let towards = self.centre - from;
         let ahead = towards.dot(&along);

@@ -5,27 +5,27 @@ use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::panel::{BoundaryMesh, Panel};
 
-/// Height of the tip of the nose in the body's coordinates \[m\].
+/// Height of the nose's tip in the body's coordinates \[m\].
 const TIP: f64 = 0.0;
 
-/// How far from the tip's plane a point in it may be, as a share of the body's size.
+/// Tolerance for a point in the plane of the tip, as a fraction of the body's size.
 const IN_PLANE: f64 = 1e-6;
 
-/// The outer surface of a tool with the mouth of its nose closed by a cover.
+/// The outer surface of a tool, with a cover over the mouth of its nose.
 ///
-/// Until the tool lifts off, the workpiece covers the mouth of the nose. With an open mouth the bore would be an
-/// undamped organ pipe: that of the N80CB has a resonance at 737 Hz.
+/// Until the tool lifts off, the workpiece closes the mouth of the nose. With an open mouth, the bore would be an
+/// undamped organ pipe: that of the N80CB would resonate at 737 Hz.
 #[derive(Debug, Clone)]
 pub struct ClosedOutline {
-    /// The points of the skin and of the cover, and the panels that are exposed to the open air.
+    /// The points of skin and cover, and the panels exposed to the open air.
     pub mesh: BoundaryMesh,
     /// For each point of the cover, the points of the skin whose mean motion it follows.
     cover: Vec<Vec<usize>>,
 }
 
 impl ClosedOutline {
-    /// The faces exposed to the open air, and a flat cover of the mouth of the nose that moves with its rim, unless the
-    /// nose stands on the floor (`floor` is its height \[m\]). The mouth stays open if the nose does not end in the
+    /// The faces exposed to the open air, with a flat cover over the mouth of the nose that moves with its rim, unless
+    /// the nose stands on the floor (`floor` is its height \[m\]). The mouth stays open if the nose does not end in the
     /// plane z = 0 with a single simple rim, which may occur in a user's mesh.
     ///
     /// # Errors
@@ -71,13 +71,13 @@ impl ClosedOutline {
         Ok(closed)
     }
 
-    /// A fan of triangles around the middle of a rim.
+    /// Closes a rim with a fan of triangles around its centre.
     fn close(&mut self, rim: &[Side], patch: usize) {
         let corners: Vec<usize> = rim.iter().map(|side| side.ends[0]).collect();
         let middle = self.add(corners.clone());
         let spokes: BTreeMap<usize, usize> = corners.iter().map(|&c| (c, self.half_way(c, middle))).collect();
         for &Side { ends: [a, b], between } in rim {
-            // Out of the body, which the rim goes round the other way.
+            // The rim is traversed in the opposite direction, so that the normals point out of the body.
             let panel = match between {
                 Some(mid) => Panel::new(FaceKind::Tri6, &[b, a, middle, mid, spokes[&a], spokes[&b]], patch),
                 None => Panel::new(FaceKind::Tri3, &[b, a, middle], patch),
@@ -86,7 +86,7 @@ impl ClosedOutline {
         }
     }
 
-    /// A point in the mean of others of the skin.
+    /// Adds a point at the mean of points of the skin.
     fn add(&mut self, of: Vec<usize>) -> usize {
         let sum: Vector3<f64> = of.iter().map(|&n| self.mesh.points[n].coords).sum();
         self.mesh.points.push(Point3::from(sum / of.len() as f64));
@@ -94,7 +94,7 @@ impl ClosedOutline {
         self.mesh.points.len() - 1
     }
 
-    /// The point between one of the skin and one of the cover; it moves with the rim as that does, on the whole.
+    /// Adds the midpoint between a point of the skin and one of the cover; it follows the motion of the rim likewise.
     fn half_way(&mut self, corner: usize, middle: usize) -> usize {
         let at = nalgebra::center(&self.mesh.points[corner], &self.mesh.points[middle]);
         let place = self.add(vec![corner]);
@@ -102,7 +102,7 @@ impl ClosedOutline {
         place
     }
 
-    /// Displacements of all points, (3 x points) x modes, of modes on the skin's points, (3 x points) x modes.
+    /// Maps modal displacements from the skin's points to all points, both (3 x points) x modes.
     pub fn motion(&self, skin: &Surface, modes: &DMatrix<f32>) -> DMatrix<f64> {
         let known = skin.points.len();
         DMatrix::from_fn(3 * self.mesh.points.len(), modes.ncols(), |row, mode| {
@@ -119,14 +119,14 @@ impl ClosedOutline {
     }
 }
 
-/// A side of a rim: its ends, and the node between them if there is one.
+/// A side of a rim: its ends, and the mid-side node if there is one.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     ends: [usize; 2],
     between: Option<usize>,
 }
 
-/// The rims at which panels end, if each is a simple line that is star-shaped about its centre.
+/// The rims along which panels end, if each is a simple closed line that is star-shaped about its centre.
 fn mouth(points: &[Point3<f64>], panels: &[Panel]) -> Option<Vec<Vec<Side>>> {
     let mut sides: BTreeMap<(usize, usize), Vec<Side>> = BTreeMap::new();
     for panel in panels {
@@ -170,7 +170,7 @@ mod tests {
     use crate::bem::Boundary;
     use nailnoise_meshes::{Grid, Mesh};
 
-    /// A cube of 3 x 3 x 3 elements with a bore of two of them from below, its underside at a height.
+    /// A cube of 3 x 3 x 3 elements with a bore of depth two elements from below; its underside is at the given height.
     fn bored(height: f64) -> Mesh {
         let line = |from: f64| -> Vec<f64> { (0..4).map(|i| from + f64::from(i)).collect() };
         let grid = Grid::new(line(-1.5), line(-1.5), line(height)).unwrap();
@@ -182,7 +182,7 @@ mod tests {
     fn the_mouth_of_the_nose_is_closed_by_a_cover_that_moves_with_it() {
         let mesh = bored(0.0);
         let skin = Surface::of(&mesh);
-        // Shifts along x and z, and a stretch: a uniform growth of the outline.
+        // Translations along x and z, and a uniform expansion of the outline.
         let modes = DMatrix::from_fn(3 * skin.points.len(), 3, |row, mode| match (mode, row % 3) {
             (0, 0) | (1, 2) => 1.0,
             (2, axis) => skin.points[row / 3][axis] as f32,
@@ -214,7 +214,7 @@ mod tests {
                 "{flows:?}"
             );
         }
-        // Standing on the floor it is closed by that; elsewhere than with its tip at 0 it stays as it is.
+        // If it stands on the floor, the floor closes it; if its tip is not at z = 0, it remains open.
         let area = |skin: &Surface, floor| ClosedOutline::new(skin, floor).unwrap().mesh.area();
         assert!((area(&skin, Some(0.0)) - 45.0).abs() < 1e-9);
         assert!((area(&Surface::of(&bored(-0.5)), None) - 62.0).abs() < 1e-9);

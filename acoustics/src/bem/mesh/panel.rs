@@ -1,7 +1,7 @@
 use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{Point3, Vector3};
 
-/// Most nodes of a panel.
+/// Largest number of nodes of a panel.
 pub(crate) const MOST_NODES: usize = 9;
 
 /// Values and gradients (with respect to natural coordinates) of a panel's shape functions.
@@ -13,7 +13,7 @@ pub(crate) struct Shape {
 
 /// Shape functions of a face.
 pub(crate) trait PanelShape {
-    /// The face with straight sides and the same corners, whose shape functions carry pressure and normal velocity.
+    /// The straight-sided face with the same corners, whose shape functions interpolate pressure and normal velocity.
     fn linear(self) -> FaceKind;
 
     /// The shape functions at natural coordinates; zero beyond the face's nodes.
@@ -49,7 +49,7 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// A panel of the given kind; `nodes` index [`BoundaryMesh::points`] and there must be as many as the kind has.
+    /// Creates a panel of the given kind; `nodes` are indices into [`BoundaryMesh::points`], as many as the kind has.
     pub fn new(kind: FaceKind, nodes: &[usize], patch: usize) -> Option<Self> {
         let mut all = [0; MOST_NODES];
         if nodes.len() != kind.nodes() {
@@ -68,7 +68,7 @@ impl Panel {
         self.kind
     }
 
-    /// Its nodes: corners, mid-sides, centre.
+    /// Its nodes: corners, mid-side nodes, centre.
     pub fn nodes(&self) -> &[usize] {
         &self.nodes[..self.kind.nodes()]
     }
@@ -78,7 +78,7 @@ impl Panel {
         &self.nodes[..self.kind.corners()]
     }
 
-    /// Turns the normal round.
+    /// Reverses the normal.
     pub(crate) fn flip(&mut self) {
         let c = self.kind.corners();
         self.nodes[1..c].reverse();
@@ -88,7 +88,7 @@ impl Panel {
     }
 }
 
-/// The surface that radiates: panels with normals into the air.
+/// The radiating surface: panels with normals into the air.
 #[derive(Clone, Debug, Default)]
 pub struct BoundaryMesh {
     /// Positions \[m\].
@@ -116,7 +116,7 @@ impl PanelPoint {
 }
 
 impl BoundaryMesh {
-    /// The skin of a volume mesh; points and patches retain their numbers.
+    /// Converts the skin of a volume mesh; points and patches keep their indices.
     pub fn of_skin(skin: &Surface) -> Self {
         let panel = |f: &nailnoise_meshes::SurfaceFace| {
             let mut nodes = [0; MOST_NODES];
@@ -165,7 +165,7 @@ impl BoundaryMesh {
         (0..self.panels.len()).map(|p| self.panel_area(p)).sum()
     }
 
-    /// Longest distance between neighbouring corners of a panel \[m\].
+    /// Largest distance between adjacent corners of a panel \[m\].
     pub fn longest_edge(&self) -> f64 {
         let edge = |p: &Panel| {
             let c = p.corners();

@@ -14,11 +14,11 @@ fn unit_gauss(n: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Not taken from gauss-quad 0.3: its Gauss-Jacobi rules put the middle one of an odd number of points at zero, which
-/// is correct for symmetric weights only.
+/// gauss-quad 0.3 is not used: its Gauss-Jacobi rules place the middle of an odd number of points at zero, which is
+/// correct only for symmetric weights.
 ///
-/// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1: the eigenvalues of the Jacobi
-/// matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23, 1969).
+/// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1, from the eigenvalues of the
+/// Jacobi matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23, 1969).
 fn unit_gauss_jacobi(n: usize) -> Vec<(f64, f64)> {
     let entry = |i: usize, j: usize| {
         let k = i.max(j) as f64;
@@ -36,7 +36,7 @@ fn unit_gauss_jacobi(n: usize) -> Vec<(f64, f64)> {
     (0..n).map(node).collect()
 }
 
-/// The n x n product rule on the square from -1 to 1.
+/// The n x n product rule on the square \[-1, 1\]^2.
 pub(crate) fn square(n: usize) -> Vec<Node> {
     let line = gauss_legendre(n);
     line.iter()
@@ -47,7 +47,7 @@ pub(crate) fn square(n: usize) -> Vec<Node> {
 /// Symmetric rules on the unit triangle with 3, 7, 12 and 16 points, of degree 2, 5, 6 and 8 (Strang & Fix 1973;
 /// Dunavant 1985).
 pub(crate) fn triangle(points: usize) -> Vec<Node> {
-    // Barycentric orbits: (a, a, 1 - 2a) with its weight, then (a, b, c) with its weight; weights sum to one.
+    // Barycentric orbits: (a, a, 1 - 2a) with its weight, then (a, b, c) with its weight; the weights sum to one.
     type Orbits = (f64, &'static [(f64, f64)], &'static [(f64, f64, f64)]);
     let (centre, threes, sixes): Orbits = match points {
         3 => (0.0, &[(1.0 / 6.0, 1.0 / 3.0)], &[]),
@@ -100,7 +100,7 @@ pub(crate) fn triangle(points: usize) -> Vec<Node> {
     rule
 }
 
-/// The rule of as many points as corners with which distant pairs are integrated.
+/// The rule for distant pairs, which has as many points as the panel has corners.
 pub(crate) fn far(corners: usize) -> Vec<Node> {
     match corners {
         3 => triangle(3),
@@ -108,7 +108,7 @@ pub(crate) fn far(corners: usize) -> Vec<Node> {
     }
 }
 
-/// A rule that integrates areas and masses of curved panels to many digits.
+/// A rule that integrates areas and masses of curved panels to high accuracy.
 pub(crate) fn fine(kind: FaceKind) -> Vec<Node> {
     match kind.corners() {
         3 => triangle(12),
@@ -120,21 +120,22 @@ pub(crate) fn fine(kind: FaceKind) -> Vec<Node> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Contact {
     Identical,
-    /// The first two vertices of both are common.
+    /// Their first two vertices coincide.
     Edge,
-    /// The first vertex of both is common.
+    /// Their first vertices coincide.
     Vertex,
 }
 
-/// A point pair: barycentric coordinates in the first and second triangle, and the weight with respect to twice the
+/// A pair of points: barycentric coordinates in the first and second triangle, and the weight with respect to twice the
 /// area of each.
 pub(crate) type PairNode = ([f64; 3], [f64; 3], f64);
 
-/// The rule of Sauter & Schwab (*Boundary Element Methods*, 2011, section 5.2) for two triangles that touch, with n
-/// Gauss points in each of three directions, and n - 1 away from the singularity.
+/// The rule of Sauter & Schwab (*Boundary Element Methods*, 2011, section 5.2) for two touching triangles, with n Gauss
+/// points in each of three directions and n - 1 in the direction away from the singularity.
 ///
-/// A change of variables for every position of the singularity leaves an analytic integrand. Away from the singularity
-/// it is s³ for kernels that grow as 1/s or 1/s², so that s comes out and a rule for s f(s) takes a point less.
+/// A change of variables for every position of the singularity makes the integrand analytic. For kernels that grow as
+/// 1/s or 1/s², the Jacobian is s³ in the direction away from the singularity; a factor s remains, and a rule for s
+/// f(s) needs one point less.
 pub(crate) fn sauter_schwab(contact: Contact, n: usize) -> Vec<PairNode> {
     let line = unit_gauss(n);
     let away = unit_gauss_jacobi(n - 1);
@@ -228,7 +229,8 @@ mod tests {
         }
     }
 
-    /// Two unit right triangles: the potential 1/r over itself, 4-D, against the closed form of the inner integral.
+    /// Two unit right triangles: the 4-D integral of 1/r over a triangle and itself, compared with the closed form of
+    /// the inner integral.
     #[test]
     fn touching_pairs_converge_fast() {
         for contact in [Contact::Identical, Contact::Edge, Contact::Vertex] {

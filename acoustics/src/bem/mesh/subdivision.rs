@@ -1,10 +1,10 @@
-//! Finer panels of the same surface for higher frequencies.
+//! Refines the panels of a surface for higher frequencies.
 //!
-//! Triangles are bisected at their longest edges until no edge is longer than wanted. A panel whose neighbour is cut
-//! at their common edge is bisected too, its longest edge first, so that no panel ends within the edge of another and
-//! angles stay above half the smallest that there was (Rivara, *Int. J. Numer. Methods Eng.* 20, 745 (1984)).
-//! Quadrilaterals that must be cut become two triangles before. All new points lie on the given panels: the surface
-//! stays as it is, and shape functions of the given panels state their motion.
+//! Triangles are bisected at their longest edges until no edge is too long. A panel whose neighbour is cut at their
+//! common edge is bisected as well, its longest edge first, so that the mesh remains conforming and angles stay above
+//! half the smallest initial angle (Rivara, *Int. J. Numer. Methods Eng.* 20, 745 (1984)). Quadrilaterals that must be
+//! cut are first divided into two triangles. All new points lie on the original panels: the surface is unchanged, and
+//! the shape functions of the original panels give their motion.
 
 use super::gaps::{RIM_WIDTH, Rim, longest_side};
 use super::panel::{BoundaryMesh, MOST_NODES, Panel, PanelShape};
@@ -13,25 +13,25 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Point3, Vector3};
 use std::collections::{BTreeSet, HashMap};
 
-/// Prevents rounding from cutting edges of exactly the wanted length.
+/// Prevents rounding from cutting edges of exactly the allowed length.
 const SLACK: f64 = 1e-10;
 
 /// A finer mesh of a surface.
 #[derive(Clone, Debug)]
 pub struct Subdivision {
-    /// The finer mesh: the points of the given one, and behind them new ones.
+    /// The finer mesh: the original points, followed by new ones.
     pub mesh: BoundaryMesh,
-    /// The given panel that each panel is part of.
+    /// The original panel that contains each panel.
     pub parents: Vec<usize>,
-    /// For each new point, the nodes of the given panel that contains it, and the shape functions there.
+    /// For each new point, the nodes of the original panel that contains it, and the shape functions there.
     added: Vec<([usize; MOST_NODES], [f64; MOST_NODES])>,
 }
 
 impl Subdivision {
-    /// Displacement fields at the points of the given mesh, (3 x points) x modes, at the points of this one.
+    /// Maps displacement fields, (3 x points) x modes, from the points of the original mesh to those of this one.
     ///
     /// # Errors
-    /// [`InputError::Length`] for another number of rows.
+    /// [`InputError::Length`] if the number of rows is wrong.
     pub fn fields(&self, given: &DMatrix<f64>) -> Result<DMatrix<f64>, InputError> {
         let known = self.mesh.points.len() - self.added.len();
         same_length("rows of the displacements", given.nrows(), 3 * known)?;
@@ -49,24 +49,24 @@ impl Subdivision {
 }
 
 impl BoundaryMesh {
-    /// The same surface in panels whose corners are at most `edge` \[m\] apart along each side; panels that need not
-    /// be cut stay as they are.
+    /// The same surface with panels whose sides are at most `edge` \[m\] long, corner to corner; panels that need not
+    /// be cut are unchanged.
     ///
     /// # Errors
-    /// A length that is not positive.
+    /// If `edge` is not positive.
     pub fn subdivided(&self, edge: f64) -> Result<Subdivision, InputError> {
         let square = (positive("length of edges [m]", edge)? * (1.0 + SLACK)).powi(2);
         Ok(self.bisected(&|_| square))
     }
 
-    /// As [`BoundaryMesh::subdivided`], and with sides of at most half the height of a gap at its `rims`, which grow
-    /// with the distance from them.
+    /// Same as [`BoundaryMesh::subdivided`], with sides of at most half the height of a gap at its `rims`, growing with
+    /// the distance from them.
     ///
-    /// If the `rims` need more panels than `most`, the panels at the rims are made wider by powers of two. `edge` alone
-    /// may still give more panels than `most`.
+    /// If the `rims` require more than `most` panels, the panels at the rims are widened by powers of two. The limit
+    /// `edge` may still lead to more than `most` panels.
     ///
     /// # Errors
-    /// A length that is not positive.
+    /// If `edge` is not positive.
     pub fn subdivided_fine_at(&self, edge: f64, rims: &[Rim], most: usize) -> Result<Subdivision, InputError> {
         let plain = self.subdivided(edge)?;
         if rims.is_empty() {
@@ -84,7 +84,7 @@ impl BoundaryMesh {
         }
     }
 
-    /// The same surface in panels whose sides have squares of at most `limit` of their ends \[m²\].
+    /// The same surface with panels whose squared side lengths do not exceed `limit` of their ends \[m²\].
     fn bisected(&self, limit: Limit<'_>) -> Subdivision {
         let mut bisection = Bisection {
             given: self,
@@ -114,17 +114,17 @@ impl BoundaryMesh {
     }
 }
 
-/// Largest square of the length of an edge between two points \[m²\].
+/// Largest squared length of an edge between two points \[m²\].
 type Limit<'a> = &'a dyn Fn([Point3<f64>; 2]) -> f64;
 
 /// A triangle of the finer mesh.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
-    /// The given panel that it is part of.
+    /// The original panel that contains it.
     parent: usize,
-    /// Points.
+    /// Point indices.
     corners: [usize; 3],
-    /// Natural coordinates of the corners in the given panel.
+    /// Natural coordinates of the corners in the original panel.
     xi: [[f64; 2]; 3],
 }
 
@@ -135,20 +135,20 @@ impl Triangle {
     }
 }
 
-/// An edge, whichever panel it belongs to.
+/// Identifies an edge independently of the panel.
 fn key(a: usize, b: usize) -> (usize, usize) {
     (a.min(b), a.max(b))
 }
 
-/// Panels on the way to a finer mesh.
+/// Panels during refinement.
 struct Bisection<'a> {
     given: &'a BoundaryMesh,
     points: Vec<Point3<f64>>,
     added: Vec<([usize; MOST_NODES], [f64; MOST_NODES])>,
-    /// Points in the middle of edges.
+    /// Midpoints of edges.
     middles: HashMap<(usize, usize), usize>,
     triangles: Vec<Triangle>,
-    /// Given panels of four corners that are not cut.
+    /// Original quadrilaterals that are not cut.
     quadrilaterals: Vec<usize>,
 }
 
@@ -179,7 +179,7 @@ impl Bisection<'_> {
         (self.points[a] - self.points[b]).norm_squared()
     }
 
-    /// Number of a triangle's longest edge; the same for every triangle at edges of equal length.
+    /// Index of a triangle's longest edge; consistent between triangles for edges of equal length.
     fn longest(&self, triangle: &Triangle) -> usize {
         let edges = triangle.edges();
         let longer = |&i: &usize, &j: &usize| {
@@ -189,7 +189,7 @@ impl Bisection<'_> {
         (0..3).max_by(longer).unwrap_or(0)
     }
 
-    /// Edges to be cut: those that are too long, and the longest edge of every triangle with a cut edge.
+    /// Edges to cut: those that are too long, and the longest edge of every triangle that has an edge to cut.
     fn marked(&self, limit: Limit<'_>) -> BTreeSet<(usize, usize)> {
         let all = self.triangles.iter().flat_map(Triangle::edges);
         let mut marked: BTreeSet<(usize, usize)> = all.filter(|&edge| self.is_long(edge, limit)).collect();
@@ -208,7 +208,7 @@ impl Bisection<'_> {
     }
 
     /// Splits every quadrilateral with a cut or overlong edge into two triangles, along its shorter diagonal. Returns
-    /// whether there was one.
+    /// whether there was any.
     fn cut_quadrilaterals(&mut self, marked: &BTreeSet<(usize, usize)>, limit: Limit<'_>) -> bool {
         let before = self.quadrilaterals.len();
         for number in std::mem::take(&mut self.quadrilaterals) {
@@ -235,7 +235,7 @@ impl Bisection<'_> {
         self.quadrilaterals.len() < before
     }
 
-    /// Cuts a triangle at its longest edge if that is marked, and its parts at the other marked edges.
+    /// Cuts a triangle at its longest edge if marked, and the resulting triangles at their marked edges.
     fn bisect(&mut self, triangle: Triangle, marked: &BTreeSet<(usize, usize)>, finer: &mut Vec<Triangle>) {
         let longest = self.longest(&triangle);
         if !marked.contains(&triangle.edges()[longest]) {
@@ -243,7 +243,7 @@ impl Bisection<'_> {
             return;
         }
         for half in self.halves(&triangle, longest) {
-            // Of its edges only the one opposite to the new point can be marked.
+            // Of its edges, only the one opposite the new point can be marked.
             match half.edges().iter().position(|edge| marked.contains(edge)) {
                 Some(edge) => finer.extend(self.halves(&half, edge)),
                 None => finer.push(half),
@@ -251,7 +251,7 @@ impl Bisection<'_> {
         }
     }
 
-    /// Both parts of a triangle that is cut at an edge.
+    /// The two halves of a triangle cut at an edge.
     fn halves(&mut self, triangle: &Triangle, edge: usize) -> [Triangle; 2] {
         let [a, b] = [edge, (edge + 1) % 3];
         let (at, xi) = self.middle(triangle, [a, b]);
@@ -263,7 +263,7 @@ impl Bisection<'_> {
         [with(b), with(a)]
     }
 
-    /// The point in the middle of an edge, and its natural coordinates in the given panel.
+    /// The midpoint of an edge, and its natural coordinates in the original panel.
     fn middle(&mut self, triangle: &Triangle, [a, b]: [usize; 2]) -> (usize, [f64; 2]) {
         let xi = [0, 1].map(|axis| 0.5 * (triangle.xi[a][axis] + triangle.xi[b][axis]));
         let edge = key(triangle.corners[a], triangle.corners[b]);

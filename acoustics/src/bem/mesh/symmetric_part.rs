@@ -1,5 +1,5 @@
-//! The part of a symmetric surface that represents the whole surface. Even and odd motions are solved separately, each
-//! only on that part.
+//! The part of a symmetric surface that represents the complete surface. Even and odd motions are solved separately,
+//! each only on this part.
 
 use super::panel::{BoundaryMesh, Panel};
 use super::symmetry::Parity;
@@ -7,24 +7,24 @@ use nalgebra::{DMatrix, Point3};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
-/// Distance along an axis within which a point and the image of another are one, relative to the surface's largest
+/// Distance along an axis within which a point and the image of another coincide, relative to the surface's largest
 /// extent.
 const SAME_POINT: f64 = 1e-8;
 
-/// A surface, or the part of it above its symmetry planes of constant x and y.
+/// A surface, or its part above the symmetry planes of constant x and y.
 #[derive(Clone, Debug)]
 pub struct SymmetricPart {
     /// All points of the surface, and the panels of the part.
     pub mesh: BoundaryMesh,
     /// The planes of constant x and y \[m\].
     mirrors: [Option<f64>; 2],
-    /// For each of these planes the image of each point; points of no panel are their own.
+    /// For each of these planes, the image of each point; unused points are their own images.
     images: [Vec<usize>; 2],
 }
 
 impl SymmetricPart {
-    /// The part of a surface whose points and panels are their own images in planes through its middle. A surface
-    /// without such a plane stays whole.
+    /// Finds planes through the middle of the surface in which its points and panels are mirror images of each other,
+    /// and keeps the part above them. A surface without such a plane is kept complete.
     pub fn of(mesh: BoundaryMesh) -> Self {
         let mut part = Self {
             mesh,
@@ -51,9 +51,9 @@ impl SymmetricPart {
         self.mirrors
     }
 
-    /// Divides the displacements of the part's points, (3 x points) x modes, into those of every parity, whose sum they
-    /// are. With the displacement u' of the image point and the reflection S, the even part is (u + S u')/2 and the odd
-    /// part (u - S u')/2.
+    /// Decomposes the displacements of the part's points, (3 x points) x modes, into components of every parity. With
+    /// the displacement u' of the image point and the reflection S, the even component is (u + S u')/2 and the odd
+    /// component (u - S u')/2.
     pub fn by_parity(&self, displacements: DMatrix<f64>) -> Vec<(Parity, DMatrix<f64>)> {
         let mut parts = vec![(Parity::default(), displacements)];
         for axis in (0..2).filter(|&axis| self.mirrors[axis].is_some()) {
@@ -78,8 +78,8 @@ impl SymmetricPart {
     }
 }
 
-/// The plane across an axis in the middle of the panels, and the image of every point in it; none where the panels are
-/// not their own images, or lie on both sides of the plane.
+/// The plane perpendicular to an axis in the middle of the panels, and the image of every point; none if the panels are
+/// not mirror images of each other, or if a panel lies on both sides of the plane.
 fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     let used: HashSet<usize> = mesh.panels.iter().flat_map(|panel| panel.nodes()).copied().collect();
     let bounds = |axis: usize| {
@@ -117,7 +117,7 @@ fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     symmetric.then_some((plane, images))
 }
 
-/// The point in a cell or in a neighbouring one: rounding may put coincident points into different cells.
+/// The point in a cell or a neighbouring one, because rounding may put coincident points into different cells.
 fn near(places: &HashMap<[i64; 3], usize>, cell: [i64; 3]) -> Option<usize> {
     let beside = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
     let mut cells = std::iter::once([0; 3]).chain(beside);
@@ -136,7 +136,7 @@ mod tests {
     use crate::bem::{Boundary, Exterior, Patterns, SolidBox};
     use nailnoise_meshes::FaceKind;
 
-    /// A box of 0.4 x 0.6 x 0.2 m around a place, in panels of 0.1 m.
+    /// A box of 0.4 x 0.6 x 0.2 m at a given position, with panels of 0.1 m.
     fn solid(at: [f64; 2]) -> BoundaryMesh {
         let solid = SolidBox {
             part: 0,
@@ -189,7 +189,7 @@ mod tests {
         };
         let u = motion(&whole);
         for (parity, of_part) in part.by_parity(u.clone()) {
-            // The mean over the four images of a corner, each reflected back and with its sign.
+            // The mean over the four images of a corner, each reflected back with its sign.
             for component in 0..3 {
                 let terms = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|at| {
                     let sign = |axis: usize, odd: bool| {
@@ -205,7 +205,7 @@ mod tests {
         }
     }
 
-    /// Panels of a box as triangles, cut so that they are symmetric only about its plane of constant y.
+    /// The panels of a box as triangles, arranged symmetrically only about its plane of constant y.
     fn triangles(quadrilaterals: BoundaryMesh, plane: f64) -> BoundaryMesh {
         let mut mesh = quadrilaterals;
         let cut = |panel: &Panel| {

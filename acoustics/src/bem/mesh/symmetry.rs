@@ -1,17 +1,17 @@
 use serde::{Deserialize, Serialize};
 
-/// An image of the surface in the floor and in mirror planes: the axes along which it is reflected, a bit each.
+/// An image of the surface in the floor and mirror planes: one bit for each axis of reflection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Image(u8);
 
 impl Image {
-    /// All reflections in the planes there are; the surface itself first.
+    /// All combinations of reflections in the given planes, beginning with the surface itself.
     pub(crate) fn all(planes: &[Option<f64>; 3]) -> Vec<Self> {
         let axes = axes_of(planes);
         (0..8).filter(|image| image & !axes == 0).map(Self).collect()
     }
 
-    /// -1 along the axes of reflection, else 1.
+    /// -1 along axes of reflection, else 1.
     pub(crate) fn sign_along(self, axis: usize) -> f64 {
         if self.0 & (1 << axis) == 0 { 1.0 } else { -1.0 }
     }
@@ -27,7 +27,7 @@ impl Image {
     }
 }
 
-/// The axes along which planes are given, a bit each.
+/// The axes that have a plane, one bit each.
 pub(crate) fn axes_of(planes: &[Option<f64>; 3]) -> u8 {
     (0..3).filter(|&a| planes[a].is_some()).map(|a| 1 << a).sum()
 }
@@ -36,14 +36,14 @@ pub(crate) fn axes_of(planes: &[Option<f64>; 3]) -> u8 {
 /// floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Parity {
-    /// Opposite sign across the plane of constant x.
+    /// Whether the sign changes across the plane of constant x.
     pub odd_x: bool,
-    /// Opposite sign across the plane of constant y.
+    /// Whether the sign changes across the plane of constant y.
     pub odd_y: bool,
 }
 
 impl Parity {
-    /// Every parity with respect to the mirror planes that are given.
+    /// All parities with respect to the given mirror planes.
     pub fn all(mirrors: [bool; 2]) -> Vec<Self> {
         let signs = |mirror: bool| if mirror { [false, true].iter() } else { [false].iter() };
         signs(mirrors[0])
@@ -51,7 +51,7 @@ impl Parity {
             .collect()
     }
 
-    /// The same parity about the other plane, and this one about the plane of constant x (axis 0) or y (axis 1).
+    /// This parity with the one about the plane of constant x (axis 0) or y (axis 1) replaced.
     pub(crate) fn with(self, axis: usize, odd: bool) -> Self {
         match axis {
             0 => Self { odd_x: odd, ..self },
@@ -59,7 +59,7 @@ impl Parity {
         }
     }
 
-    /// Axes along which the field changes its sign, a bit each.
+    /// Axes along which the field changes its sign, one bit each.
     pub(crate) fn odd_axes(self) -> usize {
         self.axes().into()
     }

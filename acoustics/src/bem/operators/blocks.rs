@@ -5,44 +5,44 @@ use faer::Mat;
 use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Vector3};
 
-/// Most panels of a block.
+/// Largest number of panels in a block.
 const MOST: usize = 16;
 /// Block widths are padded to a multiple of the widest vector.
 const LANES: usize = 16;
 
-/// Fields of a quadrature point before the surface curls: position, vector area times weight, area times weight.
+/// Fields of a quadrature point that precede the surface curls: position, vector area times weight, area times weight.
 pub(crate) const X: usize = 0;
 pub(crate) const N: usize = 3;
 pub(crate) const W: usize = 6;
 pub(crate) const C: usize = 7;
 
-/// Number of fields of a quadrature point of panels with so many corners. The curls of all corner functions but the
-/// last are stored; the last is minus their sum.
+/// Number of fields of a quadrature point of panels with this many corners. The curls of all corner functions except
+/// the last are stored; the last is the negative of their sum.
 pub(crate) const fn fields(corners: usize) -> usize {
     C + 3 * (corners - 1)
 }
 
-/// Neighbouring panels of the same number of corners, with the points of the far rule array by array.
+/// Neighbouring panels with equal numbers of corners; the points of the far rule are stored as separate arrays.
 #[derive(Debug)]
 pub(crate) struct Block {
     pub(crate) corners: usize,
     pub(crate) panels: Vec<usize>,
-    /// Panels, padded.
+    /// Number of panels, padded.
     pub(crate) width: usize,
     /// Pressure unknowns of the block.
     pub(crate) nodes: Vec<usize>,
-    /// Numbers of each panel's corners in `nodes`.
+    /// Indices of each panel's corners in `nodes`.
     pub(crate) local: Vec<[usize; 4]>,
-    /// Corners j of panels f, as j * width + f, node by node of `nodes`: those of node n end at `columns_end[n]`.
+    /// Corners j of panels f, as j * width + f, grouped by node; those of node n end at `columns_end[n]`.
     pub(crate) columns: Vec<usize>,
     pub(crate) columns_end: Vec<usize>,
     /// First velocity value of each panel.
     pub(crate) first_value: Vec<usize>,
     /// `points[(b * fields + field) * width + panel]`.
     pub(crate) points: Vec<f64>,
-    /// Middle of the panels, the origin of `single`.
+    /// Centre of the panels, the origin of `single`.
     pub(crate) middle: [f64; 3],
-    /// The points in single precision: position less `middle`, unit normal, area, curls over area.
+    /// The points in single precision: position relative to `middle`, unit normal, area, curls divided by area.
     pub(crate) single: Vec<f32>,
 }
 
@@ -86,15 +86,15 @@ fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec
     }
     let axis = (high - low).imax();
     panels.sort_by(|&a, &b| centres[a][axis].total_cmp(&centres[b][axis]).then(a.cmp(&b)));
-    // Full blocks on the left confine the padding to the last one.
+    // Full blocks on the left confine the padding to the last block.
     let rest = panels.split_off(panels.len().div_ceil(MOST).div_ceil(2) * MOST);
     bisect(panels, centres, groups);
     bisect(rest, centres, groups);
 }
 
 impl Block {
-    /// Patterns, given by corner values of every panel, at the points of the block's panels: patterns x points, panel
-    /// fastest.
+    /// Patterns, given by corner values of each panel, evaluated at the points of the block's panels: patterns x
+    /// points, with the panel index fastest.
     pub(crate) fn patterns(&self, velocities: &DMatrix<f64>) -> Mat<f32> {
         let kind = if self.corners == 3 {
             FaceKind::Tri3

@@ -1,4 +1,4 @@
-//! The equations of one frequency and parity, solved in single precision with the residual in double precision.
+//! The equations of one frequency and parity, solved in single precision with residuals in double precision.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -8,14 +8,14 @@ use faer::traits::ComplexField;
 use faer::{Conj, Mat, MatMut, Par};
 use nalgebra::{Complex, DMatrix};
 
-/// Largest residual relative to the right-hand side, 1e-4 dB: the kernels' own error in single precision is a tenth of
-/// it.
+/// Largest residual relative to the right-hand side, corresponding to 1e-4 dB; the error of the single-precision
+/// kernels is a tenth of it.
 const RESIDUAL: f64 = 1e-5;
 
-/// Sums of the tiles of one frequency.
+/// Sums over the tiles of one frequency.
 #[derive(Debug)]
 pub(crate) struct Sums {
-    /// -K + alpha W, a part of it.
+    /// Part of -K + alpha W.
     pub(crate) matrix: Mat<Complex<f32>>,
     /// The transpose of the other part, so that the contributions of a block to its own rows are contiguous in memory.
     pub(crate) transposed: Mat<Complex<f32>>,
@@ -32,8 +32,8 @@ impl Sums {
         }
     }
 
-    /// `factor` times the matrix and the right-hand sides as one array, column by column, real before imaginary part of
-    /// each value; after [`Sums::joined`].
+    /// `factor` times the matrix and the right-hand sides as one array, column by column, with the real part of each
+    /// value before the imaginary part; requires [`Sums::joined`].
     pub(crate) fn flat(&self, factor: Complex<f64>) -> Vec<f32> {
         let [re, im] = &self.right;
         let (n, patterns) = re.shape();
@@ -55,7 +55,7 @@ impl Sums {
         values
     }
 
-    /// From the array of [`Sums::flat`]; `fill` writes the values from a number on.
+    /// Restores sums from the array of [`Sums::flat`]; `fill` writes the values from a given index onwards.
     pub(crate) fn from_flat([n, patterns]: [usize; 2], fill: impl Fn(usize, &mut [f32])) -> Self {
         let mut sums = Self {
             matrix: Mat::zeros(n, n),
@@ -80,7 +80,7 @@ impl Sums {
         sums
     }
 
-    /// Adds the sums of other tiles, before [`Sums::joined`].
+    /// Adds the sums over other tiles; before [`Sums::joined`].
     pub(crate) fn add(&mut self, other: &Self) {
         self.matrix += &other.matrix;
         self.transposed += &other.transposed;
@@ -90,7 +90,7 @@ impl Sums {
             .for_each(|(to, from)| *to += from);
     }
 
-    /// With both parts of the matrix added, square by square.
+    /// Adds both parts of the matrix, block by block.
     pub(crate) fn joined(mut self) -> Self {
         const SIDE: usize = 32;
         let n = self.matrix.nrows();
@@ -109,7 +109,7 @@ impl Sums {
         self
     }
 
-    /// Replaces the equation of an unknown by the condition that it is zero; after [`Sums::joined`].
+    /// Replaces the equation of an unknown with the condition that it is zero; requires [`Sums::joined`].
     pub(crate) fn hold(&mut self, node: usize) {
         self.matrix
             .row_mut(node)
@@ -124,8 +124,8 @@ impl Sums {
 
     /// `factor` times the inverse of the matrix times the right-hand sides, unknowns x patterns.
     ///
-    /// After [`Sums::joined`]. In single precision; if the residual of a mixture of all patterns exceeds [`RESIDUAL`],
-    /// in double precision.
+    /// Requires [`Sums::joined`]. Solves in single precision, or in double precision if the residual of a mixture of
+    /// all patterns exceeds [`RESIDUAL`].
     pub(crate) fn solve(self, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
         let [re, im] = &self.right;
         let (n, patterns) = re.shape();
@@ -142,7 +142,7 @@ impl Sums {
         DMatrix::from_fn(n, patterns, |i, m| factor * found[(i, m)])
     }
 
-    /// |b - A x| / |b| of a mixture of all patterns.
+    /// |b - A x| / |b| for a mixture of all patterns.
     fn residual(&self, found: &Mat<Complex<f32>>) -> f64 {
         let [re, im] = &self.right;
         let (n, patterns) = re.shape();
@@ -167,7 +167,7 @@ impl Sums {
     }
 }
 
-/// Overwrites the right-hand sides with the solutions and the matrix with its factors.
+/// Overwrites the right-hand sides with the solutions, and the matrix with its factors.
 fn factorise_and_solve<T: ComplexField>(mut matrix: MatMut<'_, T>, mut right: MatMut<'_, T>) {
     let (n, patterns) = right.shape();
     let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
@@ -198,7 +198,7 @@ fn factorise_and_solve<T: ComplexField>(mut matrix: MatMut<'_, T>, mut right: Ma
 mod tests {
     use super::*;
 
-    /// The matrix of ones, a smooth part of size `tilt`, and `diagonal` times the unit matrix.
+    /// The matrix of ones, plus a smooth part of magnitude `tilt` and `diagonal` times the identity.
     fn sums(tilt: f64, diagonal: f64) -> Sums {
         let n = 40;
         let mut sums = Sums::zeros(n, 3);

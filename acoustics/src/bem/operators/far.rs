@@ -1,22 +1,22 @@
-//! The far rule: all pairs of panels of two blocks that are not close, with all images and for all parities at once.
+//! The far rule: all pairs of panels of two blocks that are not close, for all images and all parities at once.
 //!
-//! The image q of a point is its reflection along a set of axes; the normal is reflected too, n' = M_q n, and the
+//! The image q of a point is its reflection along a set of axes; its normal is reflected as well, n' = M_q n, and the
 //! surface curl is multiplied by the determinant of M_q. With the signs s_pq of a parity p, the operators need sums
-//! over the images. In these, p^c is the parity with the opposite sign across the plane of axis c.
+//! over the images. Below, p^c is parity p with the sign across the plane of axis c reversed.
 //!
 //! ```text
 //! S:  sum_q s_pq G_q      K:  sum_q s_pq dG_q/dn'_y      K':  sum_q s_pq dG_q/dn_x      n_x . n'_y G: sum_q s_pq ...
 //! curl . curl' G: sum_c curl_c curl_c sum_q s_{p^abc^c,q} G_q
 //! ```
 //!
-//! The inputs of A, B and their transposes are combined image by image, and one Walsh transform over the images gives
-//! all parities, so that a kernel is evaluated once for all parities and operators. Sums over the points of two panels
-//! then give the values at the corners.
+//! The inputs of A, B and their transposes are combined image by image, and a single Walsh transform over the images
+//! yields all parities, so each kernel is evaluated once for all parities and operators. Sums over the points of two
+//! panels then give the values at the corners.
 //!
-//! In single precision, with positions relative to the middle of a block: a kernel's error is 1e-6, a hundredth of the
-//! rule's.
+//! In single precision with positions relative to the middle of a block, a kernel's error is 1e-6, a hundredth of the
+//! quadrature error.
 //!
-//! No closures here: only functions that are always inlined inherit the vector features of their caller.
+//! Closures are avoided, because only functions that are always inlined inherit the vector features of their caller.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::blocks::{Block, C, N, W, X, fields};
@@ -28,24 +28,24 @@ use nailnoise_meshes::FaceKind;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// Most parities.
+/// Largest number of parities.
 const PARITIES: usize = 4;
 /// All four parities with respect to the planes x and y, in the order of [`crate::bem::Parity::all`].
 const ALL: [usize; PARITIES] = [0, 2, 1, 3];
-/// Axes that are known at run time only.
+/// Axes known only at run time.
 const ANY: usize = 8;
 
-/// All pairs of panels of two blocks by the far rule, except those masked.
+/// All pairs of panels of two blocks, evaluated by the far rule except for those masked.
 pub(crate) struct Far<'a> {
     pub(crate) wave: Wave,
     pub(crate) e: &'a Block,
     pub(crate) f: &'a Block,
-    /// Planes of reflection, axis by axis.
+    /// Planes of reflection by axis.
     pub(crate) planes: [Option<f64>; 3],
-    /// Odd axes of every parity, a bit each.
+    /// Odd axes of each parity, one bit each.
     pub(crate) parities: &'a [usize],
     pub(crate) diagonal: bool,
-    /// 0 for a pair to be left out, else 1: image by image, first panel by first panel.
+    /// 0 for pairs to be omitted, else 1: by image, then by panel of the first block.
     pub(crate) mask: &'a [f32],
     pub(crate) to: &'a mut [Operators],
 }
@@ -68,7 +68,7 @@ impl WithSimd for Far<'_> {
     }
 }
 
-/// Values of the corner functions at the points of the far rule, point by point.
+/// Values of the corner functions at the points of the far rule, by point.
 pub(crate) fn corner_values<const E: usize>() -> [[f64; E]; E] {
     let kind = if E == 3 { FaceKind::Tri3 } else { FaceKind::Quad4 };
     let rule = rules::far(E);
@@ -81,12 +81,12 @@ pub(crate) fn corner_values<const E: usize>() -> [[f64; E]; E] {
 /// A point of the first panel.
 #[derive(Clone, Copy, Default)]
 struct Own {
-    /// x less the middle of the second block, and less the middle of its image, axis by axis.
+    /// x minus the centre of the second block, and x minus the centre of its image, by axis.
     from: [[f32; 2]; 3],
     normal: [f32; 3],
-    /// Area over 4 pi.
+    /// Area divided by 4 pi.
     area: f32,
-    /// Curls of all corner functions but the last, per area.
+    /// Curls of all corner functions except the last, divided by area.
     curls: [[f32; 3]; 3],
 }
 
@@ -113,10 +113,10 @@ impl Own {
 
 /// A complex number in each lane.
 type Pair<V> = [V; 2];
-/// Values between all points of two panels, a part each.
+/// Values between all points of two panels, real and imaginary part.
 type Between<V, const E: usize, const F: usize> = [[[V; F]; E]; 2];
 
-/// One axis of the Walsh transform over the images in the planes of `axes`.
+/// The Walsh transform along one axis, over the images in the planes of `axes`.
 #[inline(always)]
 fn butterflies<S: Simd, const BIT: usize, const N: usize>(simd: S, x: &mut [Pair<S::f32s>; N], axes: usize) {
     if axes & BIT == 0 {
@@ -133,7 +133,7 @@ fn butterflies<S: Simd, const BIT: usize, const N: usize>(simd: S, x: &mut [Pair
     }
 }
 
-/// The sums over the images of fields that continue evenly across the floor, for all parities.
+/// The sums over the images for fields that are even about the floor, for all parities.
 #[inline(always)]
 fn even<S: Simd>(simd: S, x: &[Pair<S::f32s>; 8], axes: usize) -> [Pair<S::f32s>; PARITIES] {
     let mut sums = [x[0], x[1], x[2], x[3]];
@@ -149,7 +149,7 @@ fn even<S: Simd>(simd: S, x: &[Pair<S::f32s>; 8], axes: usize) -> [Pair<S::f32s>
     sums
 }
 
-/// Sum over the axes of their contributions for an image.
+/// Sum of the axes' contributions for one image.
 #[inline(always)]
 fn of_image<S: Simd>(simd: S, x: &[[S::f32s; 2]; 3], bits: [usize; 3]) -> S::f32s {
     simd.add_f32s(simd.add_f32s(x[0][bits[0]], x[1][bits[1]]), x[2][bits[2]])
@@ -182,7 +182,7 @@ fn to_corners<S: Simd, const E: usize>(simd: S, phi: &[[f32; E]; E], values: [S:
     sums
 }
 
-/// From points to corners of the first panel: i, b.
+/// Transforms the first index from points to corners: i, b.
 #[inline(always)]
 fn first_to_corners<S: Simd, const E: usize, const F: usize>(
     simd: S,
@@ -203,7 +203,7 @@ fn first_to_corners<S: Simd, const E: usize, const F: usize>(
     result
 }
 
-/// Adds a vector of values to a part of a buffer.
+/// Adds a vector of values to one part of a buffer.
 #[inline(always)]
 fn put<S: Simd>(simd: S, buffer: &mut Buffer, part: usize, row: usize, column: usize, value: S::f32s) {
     let start = buffer.start(part, row) + column;
@@ -216,7 +216,7 @@ impl Far<'_> {
         (0..3).filter(|&c| self.planes[c].is_some()).map(|c| 1 << c).sum()
     }
 
-    /// Odd axes of a parity; there are none without mirror planes.
+    /// Odd axes of a parity; none without mirror planes.
     #[inline(always)]
     fn parity<const AXES: usize>(&self, p: usize) -> usize {
         match AXES {
@@ -226,7 +226,7 @@ impl Far<'_> {
         }
     }
 
-    /// `P`: one parity, or up to four; `AXES`: axes of reflection, or [`ANY`].
+    /// `P`: the number of parities, up to four; `AXES`: axes of reflection, or [`ANY`].
     #[inline(always)]
     fn run<S: Simd, const E: usize, const F: usize, const P: usize, const AXES: usize>(self, simd: S) {
         let axes = if AXES == ANY { self.axes() } else { AXES };
@@ -245,11 +245,11 @@ impl Far<'_> {
         let phi_f = corner_values::<F>().map(|row| row.map(|v| v as f32));
         let (panels, we, wf) = (self.e.panels.len(), self.e.width, self.f.width);
         let lanes = S::F32_LANES;
-        // A and its transpose, B and its transpose without the curls, parity by parity; and G in every combination of
-        // the images.
+        // A and its transpose, and B and its transpose without the curls, for each parity; and G for every combination
+        // of images.
         let mut kernels = [[[[[zero; F]; E]; 2]; 4]; P];
         let mut potentials = [[[[zero; F]; E]; 2]; 8];
-        // The same of one pair of points, image by image.
+        // The same for one pair of points, by image.
         let mut values = [[[zero; 2]; 8]; 4];
         let mut potential = [[zero; 2]; 8];
         let (mut numbers, mut images) = ([0; 8], 0);
@@ -275,7 +275,7 @@ impl Far<'_> {
                         let v = load3::<S>(&self.f.single, start + N * wf, wf);
                         let areas = load::<S>(&self.f.single, start + W * wf);
                         let areas = simd.mul_f32s(simd.splat_f32s(own.area), areas);
-                        // Squared distance, (x - y) . n_x, -(x - y) . n_y and n_x . n_y axis by axis.
+                        // Squared distance, (x - y) . n_x, -(x - y) . n_y and n_x . n_y, by axis.
                         let (mut squares, mut on_x) = ([[zero; 2]; 3], [[zero; 2]; 3]);
                         let (mut on_y, mut normals) = ([[zero; 2]; 3], [[zero; 2]; 3]);
                         for c in 0..3 {
@@ -360,7 +360,7 @@ impl Far<'_> {
                                 }
                             }
                         }
-                        // The curls of all corner functions add up to zero.
+                        // The curls of all corner functions sum to zero.
                         let curls = &mut curls[part];
                         for i in 0..E - 1 {
                             for j in 0..F - 1 {

@@ -4,11 +4,11 @@
 use pulp::Simd;
 use std::f32::consts::TAU;
 
-/// 2 pi less its value in single precision.
+/// 2 pi minus its single-precision value.
 const TAU_REST: f32 = -1.748_455_5e-7;
 /// Adding and subtracting 1.5 x 2^23 rounds to the nearest integer.
 const ROUND: f32 = 12_582_912.0;
-/// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) on |t| <= pi with the least largest error, 1e-9 and 1e-8; highest
+/// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) for |t| <= pi, minimax with largest errors of 1e-9 and 1e-8; highest
 /// power first.
 const SINE: [f32; 6] = [
     1.353_119_1e-10,
@@ -26,7 +26,7 @@ const COSINE: [f32; 6] = [
     4.166_652e-2,
     -0.499_999_94,
 ];
-/// Added to squared distances \[m²\]: pairs that are masked may coincide.
+/// Added to squared distances \[m²\], because masked pairs may coincide.
 pub(crate) const APART: f32 = 1e-24;
 
 #[inline(always)]
@@ -54,7 +54,7 @@ pub(crate) fn load3<S: Simd>(values: &[f32], start: usize, step: usize) -> [S::f
     ]
 }
 
-/// `scale` times G = e^{-jkr} / r, and h = (1 + jkr) G / r², real and imaginary parts, from r².
+/// `scale` times G = e^{-jkr} / r and h = (1 + jkr) G / r², real and imaginary parts, computed from r².
 ///
 /// The imaginary part of h, x cos x - sin x with x = kr, is -x³/3 for small x. The cancelling terms are removed
 /// analytically,
@@ -112,7 +112,8 @@ mod tests {
         }
     }
 
-    /// Each part relative to itself where kr is small, to the magnitude and the rounded phase elsewhere.
+    /// Each part is accurate relative to itself for small kr, and relative to the magnitude and rounded phase
+    /// otherwise.
     #[test]
     fn keeps_its_digits_at_any_distance() {
         for k in [1e-3f32, 0.1, 1.0, 20.0, 60.0] {
@@ -123,7 +124,7 @@ mod tests {
                 let r = f64::from(*r2).sqrt();
                 let x = f64::from(k) * r;
                 let (sine, cosine) = x.sin_cos();
-                // Taylor's series of x cos x - sin x where it would cancel.
+                // Taylor series of x cos x - sin x where the expression would suffer from cancellation.
                 let small = -x.powi(3) / 3.0 * (1.0 - x * x / 10.0 * (1.0 - x * x / 28.0));
                 let imaginary = if x < 0.1 { small } else { x * cosine - sine };
                 let exact = [cosine, -sine, cosine + x * sine, imaginary];

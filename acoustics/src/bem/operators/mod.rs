@@ -1,5 +1,5 @@
-//! The boundary operators: panels in blocks, the rule for distant panels, rules for close ones, and the equations they
-//! form.
+//! The boundary operators: panels in blocks, quadrature rules for distant and close panels, and the resulting
+//! equations.
 
 pub(crate) mod blocks;
 pub(crate) mod equations;

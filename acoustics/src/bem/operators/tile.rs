@@ -14,8 +14,8 @@ use rustfft::num_complex::Complex;
 
 /// The velocity patterns of one parity at the points of all blocks.
 ///
-/// Patterns are in the order of the first block that they move, so that those of one body of several follow each other,
-/// and a block multiplies only a range of them.
+/// Patterns are ordered by the first block that they move, so that those of each body are contiguous and a block
+/// multiplies only a range of them.
 #[derive(Debug)]
 pub(crate) struct PatternsOnBlocks {
     parity: Parity,
@@ -23,8 +23,8 @@ pub(crate) struct PatternsOnBlocks {
     on_blocks: Vec<OnBlock>,
 }
 
-/// The patterns that move a block: the first of them, and their values at the points of its panels, patterns x points,
-/// panel fastest.
+/// The patterns that move a block: the index of the first, and their values at the points of its panels, patterns x
+/// points, with the panel index fastest.
 #[derive(Debug)]
 struct OnBlock {
     first: usize,
@@ -32,7 +32,7 @@ struct OnBlock {
 }
 
 impl PatternsOnBlocks {
-    /// For patterns of a parity at the points of each block, patterns x points, see [`Block::patterns`].
+    /// Arranges patterns of a parity at the points of each block, patterns x points, see [`Block::patterns`].
     pub(crate) fn new(parity: Parity, all: &[Mat<f32>]) -> Self {
         let count = all.first().map_or(0, Mat::nrows);
         let moves = |block: usize, m: usize| all[block].row(m).iter().any(|v| *v != 0.0);
@@ -59,8 +59,8 @@ impl PatternsOnBlocks {
 #[derive(Debug)]
 pub(crate) struct RightHandSide<'a> {
     patterns: &'a PatternsOnBlocks,
-    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up
-    /// their own nodes, so that matrix products accumulate in place.
+    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Each block has
+    /// its own sums, so that matrix products accumulate in place.
     sums: Vec<Mat<f32>>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> RightHandSide<'a> {
         }
     }
 
-    /// Adds the contribution of the patterns on one block to the sums at the nodes of another.
+    /// Adds the contribution of the patterns on block `from` to the sums at the nodes of block `to`.
     fn add(&mut self, from: usize, to: usize, add: impl FnOnce(MatRef<'_, f32>, MatMut<'_, f32>)) {
         let OnBlock { first, patterns } = &self.patterns.on_blocks[from];
         if patterns.nrows() > 0 {
@@ -91,7 +91,7 @@ impl<'a> RightHandSide<'a> {
     }
 }
 
-/// Work space: the operators of every parity, and the pairs that the far rule leaves out.
+/// Workspace: the operators of every parity, and the pairs omitted by the far rule.
 #[derive(Debug)]
 pub(crate) struct Tile {
     parities: Vec<Operators>,
@@ -109,7 +109,7 @@ impl Default for Tile {
     }
 }
 
-/// Inverse of the corner functions at the points of the far rule, corners x points: it converts an operator on corner
+/// Inverse of the corner functions at the points of the far rule, corners x points; it converts an operator on corner
 /// values to one on point values.
 fn inverse<const E: usize>() -> [[f64; 4]; 4] {
     use faer::linalg::solvers::DenseSolveCore;
@@ -125,7 +125,7 @@ fn inverse<const E: usize>() -> [[f64; 4]; 4] {
 }
 
 impl Tile {
-    /// Adds the operators between the blocks i and j (both directions if they differ) to the sums of every parity.
+    /// Adds the operators between blocks i and j (in both directions if they differ) to the sums of every parity.
     #[allow(clippy::too_many_arguments)] // one call, in the hot loop
     pub(crate) fn add(
         &mut self,
@@ -150,7 +150,7 @@ impl Tile {
         }
     }
 
-    /// The operators between the blocks e and f (both directions if they differ) of every parity.
+    /// Evaluates the operators between blocks e and f (in both directions if they differ) for every parity.
     pub(crate) fn evaluate(
         &mut self,
         planes: &[Option<f64>; 3],
@@ -176,7 +176,7 @@ impl Tile {
             }
         }
         let odd: Vec<usize> = all_parities.iter().map(|parity| parity.odd_axes()).collect();
-        // A field may be needed twice: at most four at once.
+        // A field may be needed twice, so at most four are evaluated at once.
         for (parities, to) in odd.chunks(4).zip(self.parities.chunks_mut(4)) {
             let mask = &self.mask;
             Arch::new().dispatch(Far {
@@ -265,7 +265,7 @@ impl<'a> Close<'a> {
     }
 }
 
-/// The sums of a row over the corners of the panels f, node by node.
+/// The sums of a row over the corners of the panels f, by node.
 fn at_nodes<'a>(buffer: &'a Buffer, row: usize, f: &'a Block) -> impl Iterator<Item = Complex<f32>> + 'a {
     let [re, im] = [0, 1].map(|part| &buffer.data[buffer.start(part, row)..][..buffer.columns]);
     let mut begin = 0;

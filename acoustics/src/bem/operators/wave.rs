@@ -1,10 +1,10 @@
-//! Wave number and coupling, and the matrices between two blocks of panels.
+//! Wavenumber and coupling, and the matrices between two blocks of panels.
 
 use super::blocks::Block;
 use faer::MatRef;
 use nalgebra::Complex;
 
-/// Wave number, and the coupling parameter alpha = -j `coupling`.
+/// Wavenumber, and the coupling parameter alpha = -j `coupling`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wave {
     pub(crate) k: f64,
@@ -17,8 +17,8 @@ impl Wave {
     }
 }
 
-/// Values between the corners of the panels e and f, with f running fastest so that vectors contain neighbouring
-/// panels: `data[((part * rows + row) * corners_f + j) * width_f + f]`, part 0 real and 1 imaginary.
+/// Values between the corners of the panels e and f, with f fastest so that vectors contain neighbouring panels:
+/// `data[((part * rows + row) * corners_f + j) * width_f + f]`, where part 0 is real and 1 imaginary.
 #[derive(Debug, Default)]
 pub(crate) struct Buffer {
     pub(crate) data: Vec<f32>,
@@ -49,9 +49,9 @@ impl Buffer {
     }
 }
 
-/// The operators of one pair of blocks and one parity. A = -K + alpha W acts on pressure, B = S + alpha K' on normal
-/// derivatives; by the symmetry of S and W, and as K' is the transpose of K, one pass gives both directions. B takes
-/// the values at the points of the far rule, as many as corners.
+/// The operators for one pair of blocks and one parity. A = -K + alpha W acts on pressures, B = S + alpha K' on normal
+/// derivatives. Since S and W are symmetric and K' is the transpose of K, one pass yields both directions. B acts on
+/// values at the points of the far rule, which are as many as the corners.
 #[derive(Debug, Default)]
 pub(crate) struct Operators {
     /// A from f to the nodes of e.

@@ -1,4 +1,4 @@
-//! Pressure around the body for several parities at once, and validity of field points.
+//! Pressure around the body for several parities at once, and checks of field points.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::far_field::{Radiated, Source};
@@ -11,19 +11,19 @@ use nalgebra::{Complex, Point3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// Most points worked on at once.
+/// Largest number of points processed at once.
 const CHUNK: usize = 32;
-/// Their number is padded to a multiple of the widest vector.
+/// Their number is padded to a multiple of the vector width.
 const LANES: usize = 8;
 
-/// Most parities.
+/// Largest number of parities.
 const PARITIES: usize = 4;
 
 impl Exterior {
-    /// Whether the pressure at each point can be evaluated: it lies above the floor, outside the body, and at least the
-    /// longest edge of a panel from the surface.
+    /// For each point, whether its pressure can be evaluated: it must be above the floor, outside the body, and at
+    /// least the longest panel edge away from the surface.
     ///
-    /// Inside a closed surface the solid angle is complete, int d . n / (4 pi r³) dS = 1.
+    /// Inside a closed surface the solid angle is complete: int d . n / (4 pi r³) dS = 1.
     pub fn is_clear(&self, points: &[Point3<f64>]) -> Vec<bool> {
         let images = self.imaged(&self.boundary().images());
         let needed = self.boundary().mesh().longest_edge();
@@ -42,8 +42,8 @@ impl Exterior {
         points.iter().map(clear).collect()
     }
 
-    /// Radius of the body around the middle of its foot on the floor, or around its centre in free space, and that
-    /// middle \[m\].
+    /// Radius of the body about the centre of its footprint on the floor, or about its centre in free space, and that
+    /// centre \[m\].
     pub fn reach(&self) -> (f64, Point3<f64>) {
         let (_, origin, radius) = self.quadrature();
         (radius, Point3::from(origin))
@@ -66,14 +66,14 @@ impl Exterior {
         images.iter().map(of_image).collect()
     }
 
-    /// Complex pressure at points that are [clear](Exterior::is_clear) for every pattern of several parities of one
-    /// frequency, for each parity points x patterns \[Pa s/m for velocities in m/s\]: as [`Exterior::pressure_at`], at
-    /// the cost of one parity.
+    /// Complex pressure at points that are [clear](Exterior::is_clear) for every pattern of several parities at one
+    /// frequency; for each parity points x patterns \[Pa s/m for velocities in m/s\]. Same as
+    /// [`Exterior::pressure_at`], at the cost of one parity.
     pub(crate) fn around(&self, points: &[Point3<f64>], all: &[Radiated<'_>]) -> Vec<Mat<Complex<f64>>> {
         self.around_by(&self.boundary().images(), points, all)
     }
 
-    /// The part of [`Exterior::around`] that comes from some images of the surface; zero without images.
+    /// The contribution of the given images of the surface to [`Exterior::around`]; zero without images.
     pub(crate) fn around_by(
         &self,
         images: &[Image],
@@ -110,7 +110,7 @@ impl Exterior {
         for start in (0..points.len()).step_by(CHUNK) {
             let chunk = &points[start..points.len().min(start + CHUNK)];
             let width = chunk.len().next_multiple_of(LANES);
-            // Vectors that are not full repeat the last point.
+            // Incomplete vectors repeat the last point.
             let place = |axis: usize| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)][axis]);
             for (parts, rows) in [(&mut on_p, nodes), (&mut on_v, values)] {
                 for part in parts.iter_mut().flatten() {
@@ -157,19 +157,19 @@ impl Exterior {
     }
 }
 
-/// dG/dn and G with all images at a chunk of points, for every parity.
+/// dG/dn and G, summed over all images, for a chunk of points and every parity.
 struct Waves<'a> {
     sources: &'a [Source],
     images: &'a [Vec<(Vector3<f64>, Vector3<f64>)>],
-    /// Signs of the images, parity by parity.
+    /// Signs of the images, by parity.
     signs: &'a [Vec<f64>],
     k: f64,
     points: [[f64; CHUNK]; 3],
-    /// How many of them there are, with those that are repeated.
+    /// Number of points, including the repeated ones.
     width: usize,
-    /// By corner functions of the unknowns: parity, real and imaginary part, unknown, point.
+    /// Weighted with the corner functions of the unknowns: parity, real and imaginary part, unknown, point.
     on_p: &'a mut [[Vec<f64>; 2]],
-    /// By corner functions of the panels: parity, real and imaginary part, velocity value, point.
+    /// Weighted with the corner functions of the panels: parity, real and imaginary part, velocity value, point.
     on_v: &'a mut [[Vec<f64>; 2]],
 }
 

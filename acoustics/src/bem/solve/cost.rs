@@ -1,22 +1,22 @@
-//! Memory and time of the equations of one frequency, from the size of a surface only.
+//! Memory and time of the equations at one frequency, estimated from the size of a surface.
 
 use super::problem::EquationSolver;
 
-/// Patterns for which the way of solving the equations is chosen.
+/// Number of patterns assumed when the solver is chosen.
 pub(crate) const PATTERNS: f64 = 100.0;
 
 /// Size of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceSize {
-    /// Pressure unknowns.
+    /// Number of pressure unknowns.
     pub unknowns: f64,
-    /// Panels.
+    /// Number of panels.
     pub panels: f64,
-    /// Velocity values: corners of all panels.
+    /// Number of velocity values: the corners of all panels.
     pub values: f64,
-    /// Symmetric parts of the body; each parity has its own equations.
+    /// Number of symmetric parts of the body; each parity has its own equations.
     pub copies: f64,
-    /// Images in floor and mirror planes, the surface itself among them.
+    /// Number of images in floor and mirror planes, including the surface itself.
     pub images: f64,
 }
 
@@ -25,31 +25,32 @@ pub struct SurfaceSize {
 pub struct FrequencyCost {
     /// Whether the matrix is compressed.
     pub compressed: bool,
-    /// Memory with a hundred patterns in every parity \[bytes\].
+    /// Memory for a hundred patterns in every parity \[bytes\].
     pub bytes: f64,
-    /// Memory of every further pattern \[bytes\].
+    /// Memory for each further pattern \[bytes\].
     pub bytes_per_pattern: f64,
-    /// Time without patterns and without close pairs \[s\].
+    /// Time excluding patterns and close pairs \[s\].
     pub seconds: f64,
-    /// Time of every pattern \[s\].
+    /// Time for each pattern \[s\].
     pub seconds_per_pattern: f64,
 }
 
 impl FrequencyCost {
-    /// Time with so many patterns in every parity \[s\].
+    /// Time for this many patterns in every parity \[s\].
     pub fn seconds_with(&self, patterns: f64) -> f64 {
         self.seconds + self.seconds_per_pattern * patterns
     }
 
-    /// Memory with so many patterns in every parity \[bytes\].
+    /// Memory for this many patterns in every parity \[bytes\].
     pub fn bytes_with(&self, patterns: f64) -> f64 {
         self.bytes + self.bytes_per_pattern * (patterns - PATTERNS)
     }
 }
 
 impl SurfaceSize {
-    /// Cost of a frequency. The matrix is compressed automatically if that takes less than half the time of the dense
-    /// one with a hundred patterns, because surfaces with deep recesses may take twice the usual number of steps.
+    /// Estimates the cost of one frequency. The automatic choice is the compressed matrix if it takes less than half
+    /// the time of the dense one for a hundred patterns. The margin allows for surfaces with deep recesses, which may
+    /// need twice the usual number of steps.
     pub fn cost(&self, solver: EquationSolver) -> FrequencyCost {
         let [dense, compressed] = [self.dense(), self.compressed()];
         let compress = match solver {
@@ -60,12 +61,12 @@ impl SurfaceSize {
         if compress { compressed } else { dense }
     }
 
-    /// Time of a pair of points by the far rule \[s\]: 3 ns an image and 3 ns a parity.
+    /// Time for a pair of points by the far rule \[s\]: 3 ns per image and 3 ns per parity.
     fn pair_of_points(&self) -> f64 {
         3e-9 * (self.images + self.copies)
     }
 
-    /// As measured by `benches/bem.rs`: 120 GFlop/s for factors and 100 for patterns in single precision.
+    /// Rates measured by `benches/bem.rs`: 120 GFlop/s for factorisation and 100 for patterns, in single precision.
     fn dense(&self) -> FrequencyCost {
         let (n, values, parities) = (self.unknowns, self.values, self.copies);
         FrequencyCost {
@@ -78,9 +79,9 @@ impl SurfaceSize {
         }
     }
 
-    /// At the highest frequency, `benches/bem_compressed.rs` measured 1 300 close panels each, 750 entries an unknown
-    /// in near blocks and 24 sqrt(N) in others. An entry of the latter takes 100 ns and 17 ns an image for its
-    /// approximation, and 0.5 ns a pattern. Each pattern takes eight products at 0.15 ns an entry.
+    /// At the highest frequency, `benches/bem_compressed.rs` measured 1 300 close panels per panel, and per unknown 750
+    /// entries in near blocks and 24 sqrt(N) in others. Each entry of the latter takes 100 ns plus 17 ns per image to
+    /// approximate, and 0.5 ns per pattern. Each pattern takes eight products at 0.15 ns per entry.
     fn compressed(&self) -> FrequencyCost {
         let (n, values, parities) = (self.unknowns, self.values, self.copies);
         let corners = values / self.panels.max(1.0);
@@ -89,7 +90,7 @@ impl SurfaceSize {
         let distant = 24.0 * n.powf(1.5);
         FrequencyCost {
             compressed: true,
-            // The blocks, and the Krylov space of ten columns a pattern.
+            // The blocks, and the Krylov subspace of ten columns per pattern.
             bytes: parities * 8.0 * (near + distant) + 16.0 * n * 10.0 * PATTERNS,
             bytes_per_pattern: 16.0 * n * 10.0,
             seconds: close * self.pair_of_points() + parities * distant * (100e-9 + 17e-9 * self.images),

@@ -19,10 +19,10 @@ use pulp::{Arch, Simd, WithSimd};
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
 
-/// Directions worked on at once.
+/// Number of directions processed at once.
 const CHUNK: usize = 48;
 
-/// Shares of the directions that two threads take.
+/// Number of portions into which the directions are divided for two threads.
 const SHARES: usize = 2;
 
 /// A quadrature point: position, vector area, area, unknowns and velocity values with their corner functions.
@@ -36,23 +36,23 @@ pub(crate) struct Source {
     pub(crate) phi: [f64; 4],
 }
 
-/// A pressure on the surface with the velocities that cause it.
+/// Velocities, and the surface pressure that they cause.
 pub(crate) type Radiated<'a> = (&'a DMatrix<f64>, &'a SurfacePressure);
 
 impl Exterior {
-    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity, with the
-    /// images in floor and mirror planes and the half space above the floor.
+    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity,
+    /// including the images in floor and mirror planes; with a floor, over the half space above it.
     ///
     /// ```text
     /// p -> e^{-jkr}/(4 pi r) F(d)     F(d) = int e^{jk d.y} (jk d.n p + j omega rho v_n) dS
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// Symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which
+    /// R is symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which
     /// integrates the intensity on the surface.
     ///
     /// # Errors
-    /// Patterns or pressures of another length.
+    /// If patterns or pressures have the wrong length.
     pub fn far_field_resistance(
         &self,
         velocities: &DMatrix<f64>,
@@ -63,8 +63,8 @@ impl Exterior {
         Ok(all.pop().unwrap_or_default())
     }
 
-    /// The same for several solutions at one frequency, whose waves are evaluated once, with the velocities at the
-    /// points of all blocks, see [`at_points`].
+    /// The same for several solutions at one frequency, whose waves are evaluated only once; velocities are given at
+    /// the points of all blocks, see [`at_points`].
     pub(crate) fn far_field_resistances(
         &self,
         all: &[(&Mat<f32>, &SurfacePressure)],
@@ -89,7 +89,7 @@ impl Exterior {
             });
             totals
         };
-        // Shares that threads can take, the same on any number of them.
+        // Portions for the threads, which do not depend on their number.
         let share = directions.len().div_ceil(SHARES).next_multiple_of(CHUNK).max(CHUNK);
         let shares = threads.map(directions.chunks(share).collect(), of_share);
         let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.nrows(), v.nrows())).collect();
@@ -99,7 +99,7 @@ impl Exterior {
         Ok(totals.iter().map(resistance).collect())
     }
 
-    /// Evaluates the waves of chunks of directions at all points; `each` receives the far field of every part.
+    /// Evaluates the waves of chunks of directions at all points; `each` receives the far field of each part.
     fn in_directions(
         &self,
         all: &[(&Mat<f32>, &SurfacePressure)],
@@ -117,7 +117,7 @@ impl Exterior {
             .collect();
         for chunk in directions.chunks(CHUNK) {
             parts.iter_mut().for_each(|part| part.clear(boundary.nodes(), points));
-            // A last chunk that is not full repeats its last direction.
+            // An incomplete last chunk repeats its last direction.
             let along = |axis: usize| std::array::from_fn(|row| k * chunk[row.min(chunk.len() - 1)].0[axis]);
             let along: [[f64; CHUNK]; 3] = [0, 1, 2].map(along);
             let mut first = 0;
@@ -136,8 +136,9 @@ impl Exterior {
         }
     }
 
-    /// Far field F of every pattern of several parities in some directions, for each parity directions x patterns \[Pa
-    /// s for velocities in m/s\]: p -> e^{-jkr}/(4 pi r) F, r the distance to the origin of [`Exterior::quadrature`].
+    /// Far field F of every pattern of several parities in the given directions; for each parity directions x patterns
+    /// \[Pa s for velocities in m/s\]. p -> e^{-jkr}/(4 pi r) F, where r is the distance from the origin of
+    /// [`Exterior::quadrature`].
     pub(crate) fn far_fields(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = 2.0 * PI * hz / self.air().sound_speed;
@@ -161,8 +162,8 @@ impl Exterior {
         fields
     }
 
-    /// All quadrature points relative to an origin (the body's centre, or its foot on the floor), the origin, and the
-    /// radius around it that encloses them.
+    /// All quadrature points relative to an origin (the centre of the body or of its footprint on the floor), the
+    /// origin, and the radius of a sphere around it that encloses them.
     pub(crate) fn quadrature(&self) -> (Vec<Source>, Vector3<f64>, f64) {
         let mut sources = Vec::new();
         for block in self.blocks() {
@@ -207,19 +208,19 @@ impl Exterior {
     }
 }
 
-/// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
-/// only their real or imaginary part is stored. Products are in single precision; their error is below that of the
-/// equations.
+/// The far field of the patterns of one parity. With both mirror planes and a floor, waves are real up to a power of j,
+/// and only their real or imaginary part is stored. Products are in single precision; their error is less than that of
+/// the equations.
 struct Radiating<'a> {
-    /// Real and imaginary part of the pressure side by side, unknowns x 2 patterns.
+    /// Real and imaginary part of the pressure as adjacent blocks, unknowns x 2 patterns.
     pressure: Mat<f32>,
     /// Velocities at the points of the far rule, patterns x points.
     velocities: &'a Mat<f32>,
-    /// Whether waves have a real and an imaginary part.
+    /// The parts of the waves, real and imaginary, that are nonzero.
     parts: Vec<usize>,
     /// Axes along which the field changes its sign.
     odd: [bool; 3],
-    /// Of each part, unknown by unknown and point by point: a chunk of directions.
+    /// Values of each part for a chunk of directions, by unknown and by point.
     on_p: [Vec<f32>; 2],
     on_v: [Vec<f32>; 2],
 }
@@ -249,12 +250,12 @@ impl<'a> Radiating<'a> {
         for &part in &self.parts {
             self.on_p[part].clear();
             self.on_p[part].resize(n * CHUNK, 0.0);
-            // All but the padding of blocks is set anew.
+            // Everything except the padding of blocks is overwritten.
             self.on_v[part].resize(points * CHUNK, 0.0);
         }
     }
 
-    /// F of all patterns in the directions of a chunk, patterns x 2 directions: real parts, then imaginary ones.
+    /// F of all patterns in a chunk of directions, patterns x 2 directions: real parts, then imaginary parts.
     fn field(&self, rows: usize, k: f64, impedance: f64) -> Mat<f64> {
         let modes = self.velocities.nrows();
         let mut field = Mat::<f64>::zeros(modes, 2 * rows);
@@ -290,7 +291,7 @@ impl<'a> Radiating<'a> {
         field
     }
 
-    /// Adds the power of all patterns in the directions of a chunk.
+    /// Adds the power of all patterns in a chunk of directions.
     fn add_power(&self, chunk: &[(Vector3<f64>, f64)], k: f64, impedance: f64, total: &mut Mat<f64>) {
         let rows = chunk.len();
         let mut field = self.field(rows, k, impedance);
@@ -311,7 +312,7 @@ impl<'a> Radiating<'a> {
     }
 }
 
-/// R from the sum over the directions, symmetric to the bit.
+/// R from the sum over the directions, exactly symmetric.
 fn resistance(total: &Mat<f64>) -> DMatrix<f64> {
     let modes = total.nrows();
     DMatrix::from_fn(modes, modes, |i, j| total[(i.min(j), i.max(j))])
@@ -330,22 +331,22 @@ fn phases(along: &[f64; CHUNK], y: f64) -> [f32; CHUNK] {
     })
 }
 
-/// Number of factors j of the standing waves between three planes.
+/// Number of factors j in the standing waves between three planes.
 fn powers_of_j(odd: [bool; 3]) -> usize {
     odd.into_iter().filter(|&odd| odd).count()
 }
 
-/// Evaluates e^{jk d.y} and its images at the points of a block for a chunk of directions and all parities.
+/// Evaluates e^{jk d.y} and its images at the points of a block, for a chunk of directions and all parities.
 ///
-/// In single precision. The phase at the middle of the block is reduced in double precision, so that the error does not
-/// grow with the distance from the origin, only with that from the middle.
+/// Uses single precision. The phase at the centre of the block is reduced in double precision, so that the error grows
+/// only with the distance from that centre and not from the origin.
 struct Waves<'a, 'b> {
     block: &'a Block,
-    /// Number of its first point.
+    /// Index of its first point.
     first: usize,
-    /// Phases at its middle, axis by axis.
+    /// Phases at its centre, by axis.
     middle: [[f32; CHUNK]; 3],
-    /// k d, axis by axis.
+    /// k d, by axis.
     along: [[f32; CHUNK]; 3],
     planes: [bool; 3],
     parts: &'a mut [Radiating<'b>],
@@ -363,16 +364,16 @@ impl WithSimd for Waves<'_, '_> {
     }
 }
 
-/// A number with its real and its imaginary part.
+/// A complex number as real and imaginary part.
 type Pair<S> = [<S as Simd>::f32s; 2];
 
-/// A function of one coordinate: its value, and its derivative along the normal.
+/// A function of one coordinate: its value and its derivative along the normal.
 type Factor<T> = [T; 2];
 
-/// A factor of e^{jk d.y}, with its image along one axis: f(t) and its derivative times `along`, t = k d_a y_a.
+/// A factor of e^{jk d.y} with its image along one axis: f(t) and its derivative times `along`, where t = k d_a y_a.
 ///
-/// It is e^{jt} without an image, 2 cos t with the image of a field that continues evenly across the plane t = 0, and
-/// 2j sin t with that of one that changes its sign.
+/// It is e^{jt} without an image, 2 cos t with the image of a field that is even about the plane t = 0, and 2j sin t
+/// with that of an odd one.
 #[inline(always)]
 fn standing<S: Simd>(simd: S, [sine, cosine, along]: [S::f32s; 3], plane: bool, odd: bool) -> Factor<Pair<S>> {
     let zero = simd.splat_f32s(0.0);
@@ -391,7 +392,7 @@ fn standing<S: Simd>(simd: S, [sine, cosine, along]: [S::f32s; 3], plane: bool, 
     }
 }
 
-/// The same with a plane and without the factor j.
+/// Same as `standing` with a plane, without the factor j.
 #[inline(always)]
 fn between_planes<S: Simd>(simd: S, [sine, cosine, along]: [S::f32s; 3], odd: bool) -> Factor<S::f32s> {
     let two = simd.splat_f32s(2.0);
@@ -434,7 +435,7 @@ fn add_times<S: Simd>(simd: S, sum: Pair<S>, a: Pair<S>, b: Pair<S>) -> Pair<S> 
     ]
 }
 
-/// Adds `factor` times `value` to the vector of values that starts at `start`.
+/// Adds `factor` times `value` to the vector that starts at `start`.
 #[inline(always)]
 fn add<S: Simd>(simd: S, to: &mut [f32], start: usize, factor: f32, value: S::f32s) {
     let to = &mut S::as_mut_simd_f32s(&mut to[start..start + S::F32_LANES]).0[0];
@@ -444,18 +445,18 @@ fn add<S: Simd>(simd: S, to: &mut [f32], start: usize, factor: f32, value: S::f3
 /// A quadrature point in single precision.
 struct Point<'a> {
     number: usize,
-    /// Position less the middle of the block.
+    /// Position relative to the centre of the block.
     position: [f32; 3],
     normal: [f32; 3],
     area: f32,
-    /// Unknowns of its panel and their corner functions.
+    /// Unknowns of its panel, with their corner functions.
     nodes: &'a [usize],
     phi: &'a [f32],
 }
 
 impl Point<'_> {
-    /// Stores the value of a wave, and adds its derivative along the normal at the unknowns, for as many directions of
-    /// the chunk as fit a vector.
+    /// Stores the value of a wave, and adds its derivative along the normal at the unknowns, for as many directions as
+    /// fit in a vector.
     #[inline(always)]
     fn add_to<S: Simd>(&self, simd: S, [on_p, on_v]: [&mut [f32]; 2], row: usize, wave: Factor<S::f32s>, factor: f32) {
         let start = self.number * CHUNK + row;
@@ -491,7 +492,7 @@ impl Waves<'_, '_> {
         }
     }
 
-    /// All parities at a point, in as many directions from `row` as fit a vector.
+    /// Evaluates all parities at a point, for as many directions from `row` as fit in a vector.
     #[inline(always)]
     fn at_point<S: Simd>(&mut self, simd: S, point: &Point<'_>, row: usize) {
         let zero = simd.splat_f32s(0.0);
@@ -539,16 +540,17 @@ impl Waves<'_, '_> {
     }
 }
 
-/// Highest order of the spherical or cylindrical harmonics of a wave at the distance x / k from their origin (Wiscombe
+/// Highest order of the spherical or cylindrical harmonics of a wave at the distance x / k from the origin (Wiscombe
 /// 1980, rounded up).
 fn order(x: f64) -> usize {
     (x + 4.0 * x.cbrt() + 4.0).ceil() as usize
 }
 
 /// Directions and weights that integrate the squared far field of a body over the unit sphere, or over its half above
-/// the floor. The product of k and its largest distance from the origin, `ka`, limits the spherical harmonics. That
-/// from the vertical axis, `across`, times the sine of the polar angle limits those around the axis (Jacobi & Anger's
-/// expansion). With mirror planes only the directions above them are listed, the others contribute as much.
+/// the floor. The spherical harmonics are limited by `ka`, the product of k and the body's largest distance from the
+/// origin. Those about the vertical axis are limited by `across`, the product with the largest distance from that axis,
+/// times the sine of the polar angle (Jacobi-Anger expansion). With mirror planes, only directions on their upper side
+/// are listed, because the others contribute equally.
 fn directions([ka, across]: [f64; 2], planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
     let copies: f64 = planes[..2]
         .iter()
@@ -562,7 +564,7 @@ fn directions([ka, across]: [f64; 2], planes: [bool; 3]) -> Vec<(Vector3<f64>, f
         let r = (1.0 - z * z).sqrt();
         let around = (2 * order(across * r) + 1).next_multiple_of(4);
         for i in 0..around {
-            // Half a step off the planes, so that every direction has its images.
+            // Half a step from the planes, so that every direction has distinct images.
             let (sine, cosine) = (2.0 * PI * (i as f64 + 0.5) / around as f64).sin_cos();
             if planes[0] && cosine < 0.0 || planes[1] && sine < 0.0 {
                 continue;
@@ -581,7 +583,7 @@ mod tests {
     use crate::air::Air;
     use crate::bem::{Boundary, BoundaryMesh, Parity, SolidBox};
 
-    /// F of the only pattern of a solution, by its definition in double precision, with all images.
+    /// F of the only pattern of a solution, from its definition in double precision with all images.
     fn defined(problem: &Exterior, (velocities, solution): Radiated<'_>, d: &Vector3<f64>) -> Complex<f64> {
         let omega = 2.0 * PI * solution.hz;
         let (k, rho) = (omega / problem.air().sound_speed, problem.air().density);
@@ -606,8 +608,8 @@ mod tests {
     }
 
     /// A box 1.2 m long in free space, on a floor, and between mirrors on a floor, at wavenumbers up to 60/m. The
-    /// largest error is 1.6e-6 of the largest far field; velocities and pressures are noise, whose contributions mostly
-    /// cancel.
+    /// largest error is 1.6e-6 of the largest far field; velocities and pressures are random, so that their
+    /// contributions mostly cancel.
     #[test]
     fn the_far_field_in_single_precision_equals_its_definition() {
         let air = Air::default();
@@ -651,7 +653,7 @@ mod tests {
         }
     }
 
-    /// int e^{jk d.(x - y)} dOmega = 4 pi sin(kr)/kr, r = |x - y|, for points x, y of a cylinder.
+    /// int e^{jk d.(x - y)} dOmega = 4 pi sin(kr)/kr, r = |x - y|, for points x, y in a cylinder.
     #[test]
     fn directions_integrate_the_waves_of_any_two_points() {
         for k in [0.1, 2.0, 15.0, 60.0] {

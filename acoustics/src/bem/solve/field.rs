@@ -6,19 +6,20 @@ use faer::Mat;
 use nalgebra::{Complex, DMatrix, Point3};
 
 impl Exterior {
-    /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]:
-    /// direct sound, and reflection by the floor (zero without a floor); their sum is the pressure.
+    /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]. The
+    /// direct sound and the reflection by the floor (zero without a floor) are returned separately; their sum is the
+    /// pressure.
     ///
     /// ```text
     /// p(x) = int (dG/dn_y p + j omega rho G v_n) dS_y        G = e^{-jkr} / (4 pi r)
     /// ```
     ///
-    /// with the images in mirror planes and floor. The rule is that of distant panels, so points must not be close to
-    /// the surface.
+    /// with the images in mirror planes and floor. The quadrature rule is that of distant panels, so points must not be
+    /// close to the surface.
     ///
     /// # Errors
-    /// [`ReceiverError::BelowFloor`], [`ReceiverError::NearSurface`] for a point closer to the surface than the
-    /// longest edge of a panel, patterns or pressures of another length.
+    /// [`ReceiverError::BelowFloor`]; [`ReceiverError::NearSurface`] for a point closer to the surface than the longest
+    /// panel edge; also if patterns or pressures have the wrong length.
     pub fn pressure_at(
         &self,
         points: &[Point3<f64>],
@@ -29,7 +30,7 @@ impl Exterior {
         Ok(all.pop().unwrap_or_default())
     }
 
-    /// The same for several solutions of one frequency, whose waves are evaluated once.
+    /// The same for several solutions at one frequency, whose waves are evaluated only once.
     pub(crate) fn pressures_at(
         &self,
         points: &[Point3<f64>],
@@ -55,7 +56,7 @@ impl Exterior {
             .collect())
     }
 
-    /// Refuses points below the floor or too close to the surface or to one of its images.
+    /// Rejects points below the floor, or too close to the surface or one of its images.
     pub(crate) fn check_points(&self, points: &[Point3<f64>]) -> Result<(), ReceiverError> {
         let boundary = self.boundary();
         let images = self.imaged(&boundary.images());

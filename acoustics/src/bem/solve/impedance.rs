@@ -1,4 +1,4 @@
-//! Velocity patterns of a problem, and the impedance by the pressure on the surface.
+//! Velocity patterns of a problem, and the radiation impedance from the surface pressure.
 
 use super::neumann::{Moments, NeumannData, Patterns};
 use super::problem::{Exterior, SurfacePressure};
@@ -10,18 +10,18 @@ impl Exterior {
     /// Prepares velocity patterns for solutions at several frequencies.
     ///
     /// # Errors
-    /// Patterns of another length.
+    /// If the patterns have the wrong length.
     pub(crate) fn neumann_data(&self, patterns: &Patterns) -> Result<NeumannData, BemError> {
         self.check_velocities(&patterns.velocities)?;
         let (boundary, blocks) = (self.boundary(), self.blocks());
         Ok(NeumannData::new(boundary, blocks, self.masses(), patterns.clone()))
     }
 
-    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part is omega
-    /// times the added mass of air. With mirror planes, the impedance of the whole body.
+    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch; the real part is R, and the imaginary part is
+    /// omega times the added mass of the air. With mirror planes, it is the impedance of the complete body.
     ///
     /// # Errors
-    /// Patterns or pressures of another length.
+    /// If patterns or pressures have the wrong length.
     pub fn impedance(
         &self,
         velocities: &DMatrix<f64>,
@@ -31,7 +31,7 @@ impl Exterior {
         self.impedances(&Moments::by_patch(self.boundary(), self.masses(), velocities), solution)
     }
 
-    /// The same from the moments of every patch.
+    /// The same, given the moments of every patch.
     pub(crate) fn impedances(
         &self,
         by_patch: &[Moments],

@@ -1,4 +1,5 @@
-//! One frequency: pressures on the surface, around it and in the far field, and the resistances that follow.
+//! Solution at one frequency: pressures on the surface, around it and in the far field, and the resulting radiation
+//! resistances.
 
 pub(crate) mod around;
 pub(crate) mod compressed;

@@ -1,4 +1,4 @@
-//! Prescribed normal velocities as the equations take them, found once for all frequencies.
+//! Prescribed normal velocities in the form needed by the equations, prepared once for all frequencies.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::Panel;
@@ -12,14 +12,14 @@ use nalgebra::{Complex, DMatrix};
 /// Normal velocities of one parity about the mirror planes.
 #[derive(Clone, Debug)]
 pub struct Patterns {
-    /// Their parity; the default without mirror planes.
+    /// Their parity; even without mirror planes.
     pub parity: Parity,
     /// Corner values of every panel x patterns, see [`Boundary::project`].
     pub velocities: DMatrix<f64>,
 }
 
 impl Patterns {
-    /// Patterns that continue evenly across the mirror planes.
+    /// Patterns that are even about the mirror planes.
     pub(crate) fn even(velocities: &DMatrix<f64>) -> Self {
         Self {
             parity: Parity::default(),
@@ -28,7 +28,7 @@ impl Patterns {
     }
 }
 
-/// The velocity patterns of one parity, and the quantities that follow from them at every frequency.
+/// The velocity patterns of one parity, and derived quantities that are the same at every frequency.
 #[derive(Debug)]
 pub(crate) struct NeumannData {
     patterns: Patterns,
@@ -39,7 +39,7 @@ pub(crate) struct NeumannData {
 }
 
 impl NeumannData {
-    /// From patterns that have the surface's number of velocity values, and the integrals of phi_i phi_j over every
+    /// Prepares patterns with the surface's number of velocity values, given the integrals of phi_i phi_j over each
     /// panel.
     pub(crate) fn new(boundary: &Boundary, blocks: &[Block], masses: &[[[f64; 4]; 4]], patterns: Patterns) -> Self {
         let velocities = &patterns.velocities;
@@ -58,7 +58,7 @@ impl NeumannData {
         self.patterns.parity
     }
 
-    /// Corner values of every panel x patterns.
+    /// Corner values of each panel x patterns.
     pub(crate) fn velocities(&self) -> &DMatrix<f64> {
         &self.patterns.velocities
     }
@@ -83,12 +83,12 @@ impl NeumannData {
         &self.at_points
     }
 
-    /// int phi_i v dS over the whole surface.
+    /// int phi_i v dS over the complete surface.
     pub(crate) fn moments(&self) -> &Moments {
         &self.moments
     }
 
-    /// The same of every patch.
+    /// int phi_i v dS over each patch.
     pub(crate) fn by_patch(&self) -> &[Moments] {
         &self.by_patch
     }
@@ -97,14 +97,14 @@ impl NeumannData {
 /// int phi_i v dS for every pattern v.
 #[derive(Debug)]
 pub(crate) struct Moments {
-    /// The unknowns at which they are not zero.
+    /// The unknowns at which the integrals are nonzero.
     nodes: Vec<usize>,
-    /// These unknowns x patterns.
+    /// Integrals for these unknowns x patterns.
     values: DMatrix<f64>,
 }
 
 impl Moments {
-    /// Of every patch.
+    /// Computes the integrals for each patch.
     pub(crate) fn by_patch(boundary: &Boundary, masses: &[[[f64; 4]; 4]], velocities: &DMatrix<f64>) -> Vec<Self> {
         let mesh = boundary.mesh();
         let numbers = mesh.panels.iter().map(|p| p.patch + 1);
@@ -113,7 +113,7 @@ impl Moments {
         (0..patches).map(of_patch).collect()
     }
 
-    /// Over some of the panels.
+    /// Computes the integrals over some of the panels.
     fn new(
         boundary: &Boundary,
         masses: &[[[f64; 4]; 4]],
@@ -148,7 +148,7 @@ impl Moments {
         Self { nodes, values }
     }
 
-    /// Adds them times `factor` to right-hand sides, unknowns x patterns.
+    /// Adds the integrals times `factor` to right-hand sides, unknowns x patterns.
     pub(crate) fn add_to(&self, factor: f64, to: &mut Mat<f64>) {
         for (m, moments) in self.values.column_iter().enumerate() {
             let to = to.col_as_slice_mut(m);
@@ -188,13 +188,13 @@ impl Moments {
     }
 }
 
-/// Patterns at the points of the far rule, patterns x points: block by block, panel fastest.
+/// Patterns at the points of the far rule, patterns x points: by block, with the panel index fastest.
 pub(crate) fn at_points(blocks: &[Block], velocities: &DMatrix<f64>) -> Mat<f32> {
     let on_blocks: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
     side_by_side(&on_blocks, velocities.ncols())
 }
 
-/// Matrices of `rows` rows side by side.
+/// Concatenates matrices of `rows` rows.
 fn side_by_side(all: &[Mat<f32>], rows: usize) -> Mat<f32> {
     let mut joined = Mat::zeros(rows, all.iter().map(Mat::ncols).sum());
     let mut first = 0;

@@ -1,17 +1,17 @@
-//! Thin flat plates: one side in a rigid baffle, or both sides wet.
+//! Thin flat plates: one side wet in a rigid baffle, or both sides wet.
 //!
-//! A plate without thickness moves with v along its normal n. With G = e^{-jkr} / (4 pi r), W is the hypersingular
-//! operator of [`Exterior`]; the operators K, K' are zero in a plane. The pressure on the wet side of a plate in a
-//! rigid baffle is Rayleigh's integral. The difference of the pressures on both sides of a plate in free fluid is the
-//! solution of the second equation (Maue 1949; Stephan 1987 for open surfaces).
+//! A plate of zero thickness moves with v along its normal n. With G = e^{-jkr} / (4 pi r), W is the hypersingular
+//! operator of [`Exterior`]; the operators K and K' vanish in a plane. The pressure on the wet side of a plate in a
+//! rigid baffle is given by Rayleigh's integral. The pressure difference across a plate in free fluid solves the second
+//! equation (Maue 1949; Stephan 1987 for open surfaces).
 //!
 //! ```text
 //! p = 2 j omega rho S v                                   one side
 //! W [p] = j omega rho v,  [p] = 0 at the free edges       both sides; [p] = pressure on the side of n less that behind
 //! ```
 //!
-//! The difference [p] rises from the edge with the root of the distance, so that panels should become narrow there.
-//! With panels of equal width the added mass is too small by a term of the first order in the width.
+//! Near an edge, the difference [p] is proportional to the square root of the distance, so panels should become narrow
+//! there. With panels of equal width, the added mass is too small, with a first-order error in the width.
 
 use super::neumann::Patterns;
 use super::problem::{Exterior, SurfacePressure, Threads};
@@ -23,12 +23,12 @@ use crate::checks::positive;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
-/// Which sides of a plate touch the fluid.
+/// Which sides of a plate are in contact with the fluid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WetSides {
-    /// The side of the normal, in a rigid baffle.
+    /// The side of the normal, with the plate in a rigid baffle.
     OneInBaffle,
-    /// Both, in free fluid.
+    /// Both sides, in free fluid.
     Both,
 }
 
@@ -40,7 +40,7 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// A plate with the midplane `midplane`, which [`Boundary::flat`] makes.
+    /// Creates a plate from its midplane, see [`Boundary::flat`].
     pub fn new(midplane: Boundary, fluid: &Air, wetted: WetSides) -> Self {
         Self {
             surface: Exterior::new(midplane, fluid),
@@ -54,7 +54,7 @@ impl Plate {
     }
 
     /// Modal radiation impedance Z_ij = int v_i p_j dS \[kg/s\] at `hz` for normal velocities of one parity (corner
-    /// values of every panel x patterns, see [`Boundary::project`]). It is symmetric: its real part is R, its imaginary
+    /// values of each panel x patterns, see [`Boundary::project`]). It is symmetric: its real part is R, its imaginary
     /// part omega times the added mass.
     ///
     /// # Errors
@@ -65,7 +65,8 @@ impl Plate {
         let data = self.surface.neumann_data(patterns)?;
         let omega = 2.0 * PI * hz;
         let k = omega / self.surface.air().sound_speed;
-        // alpha W = -j coupling W; with the length 1/k of the coupling both operators have the size of the unit matrix.
+        // alpha W = -j coupling W; if the length 1/k is used as coupling, both operators have the magnitude of the
+        // identity.
         let coupling = match self.wetted {
             WetSides::OneInBaffle => 0.0,
             WetSides::Both => self.boundary().half_width().min(1.0 / k),
@@ -79,7 +80,7 @@ impl Plate {
             match self.wetted {
                 WetSides::OneInBaffle => self.surface.add_mass(&mut sums.matrix, 0.5),
                 WetSides::Both => {
-                    // What K and S leave: rounding in the matrix, all of S v on the right.
+                    // Discards the contributions of K and S: rounding in the matrix, and all of S v on the right.
                     sums.right.iter_mut().for_each(|right| right.fill(0.0));
                     data.moments().add_to(1.0, &mut sums.right[0]);
                     factor *= Complex::new(0.0, -coupling);

@@ -34,27 +34,27 @@ const ACCURACY: Accuracy = Accuracy {
 /// (1/2 - K - alpha H) p = -(S + alpha (1/2 + K')) dp/dn        alpha = -j s(f) min(1/k, L_c)
 /// ```
 ///
-/// This equation has a unique solution at every frequency. Each half fails at resonances of the interior problem. Well
-/// below the lowest of these the correction is not needed. The derivative equation would reduce the accuracy of the
-/// small surface resistance of rigid-body motion (by a factor of 2 at 100 Hz for a block of 0.4 m; 2e-4 without it).
-/// Therefore s rises as sin² from 0 at half of f_box to 1 at 0.9 f_box, where f_box is the lowest resonance of the
-/// bounding box; no body inside it has a lower one. The method is Galerkin's with continuous linear (bilinear)
-/// pressure; the normal velocity is linear on each panel and discontinuous between panels. The hypersingular operator
-/// is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4).
+/// This equation has a unique solution at every frequency. Each half of it alone fails at resonances of the interior
+/// problem. Well below the lowest of these, the coupling is not needed. There, the derivative equation would reduce the
+/// accuracy of the small resistance of rigid-body motion (an error of a factor of 2 at 100 Hz for a block of 0.4 m,
+/// compared with 2e-4 without it). Therefore s rises as sin² from 0 at f_box/2 to 1 at 0.9 f_box, where f_box is the
+/// lowest resonance of the bounding box; no body inside it has a lower one. The Galerkin method is used with continuous
+/// linear (bilinear) pressure; the normal velocity is linear on each panel and discontinuous between panels. The
+/// hypersingular operator is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4).
 ///
 /// ```text
 /// <phi, H psi> = -int int G (curl phi . curl psi - k² n_x . n_y phi psi)        curl phi = n x grad phi
 /// ```
 ///
-/// A body on the floor and its image form a closed surface. With test functions that are even in the height above the
-/// floor, the contour terms of the two cancel. Mirror planes work likewise; where a field is odd about a plane, its
-/// functions vanish in the plane.
+/// A body on the floor and its image form a closed surface. With test functions that are even about the floor, the
+/// contour terms of the two cancel. Mirror planes are treated likewise; for a field that is odd about a plane, the
+/// functions vanish in that plane.
 #[derive(Debug)]
 pub struct Exterior {
     boundary: Boundary,
     air: Air,
     blocks: Vec<Block>,
-    /// Computed on first access: a surface that is only described does not need it.
+    /// Computed on first access, because describing a surface does not require it.
     near: OnceLock<NearField>,
     coupling: f64,
     per_wavelength: f64,
@@ -68,37 +68,37 @@ pub struct Exterior {
 /// How the equations of a surface are stored and solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum EquationSolver {
-    /// Compressed if that takes less than half as long as with the dense matrix by
-    /// [`SurfaceSize::cost`](crate::bem::SurfaceSize::cost).
+    /// Compressed if, according to [`SurfaceSize::cost`](crate::bem::SurfaceSize::cost), that takes less than half the
+    /// time of the dense matrix.
     #[default]
     Auto,
     /// A dense matrix and its LU factors.
     Dense,
-    /// Distant blocks of the matrix as products of thin matrices by adaptive cross approximation, and a block Krylov
-    /// method.
+    /// Distant blocks of the matrix as products of thin matrices, by adaptive cross approximation, with a block Krylov
+    /// solver.
     Compressed,
 }
 
 impl EquationSolver {
-    /// Whether the program chooses.
+    /// Whether the program chooses the solver.
     pub fn is_auto(&self) -> bool {
         *self == Self::Auto
     }
 }
 
-/// How many threads may work on one frequency. With two the kernels are summed in two halves: the equations differ by
-/// rounding.
+/// How many threads may work on one frequency. With two threads, the kernels are summed in two halves, so the equations
+/// differ by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Threads {
-    /// Where every thread solves a different frequency. A thread that waited for a part of one would begin another one,
-    /// with its own matrices.
+    /// Used when every thread solves a different frequency. A thread that waited for part of one frequency would start
+    /// another one, with its own matrices.
     One,
-    /// For a single frequency at a time.
+    /// Used when a single frequency is solved at a time.
     Two,
 }
 
 impl Threads {
-    /// Maps the parities of a frequency.
+    /// Applies a function to each parity of a frequency.
     pub(crate) fn map<T: Send, R: Send>(self, items: Vec<T>, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
         match self {
             Self::One => items.into_iter().map(of).collect(),
@@ -107,12 +107,12 @@ impl Threads {
     }
 }
 
-/// How the coupling parameter alpha varies with the wavenumber.
+/// Dependence of the coupling parameter alpha on the wavenumber.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Coupling {
     /// Zero.
     None,
-    /// It rises from zero.
+    /// Rising from zero.
     Transition,
     /// -j L_c.
     Constant,
@@ -132,7 +132,7 @@ pub struct SurfacePressure {
 }
 
 impl Exterior {
-    /// Sets the problem up; close pairs and the tables of their rules are found with the first use.
+    /// Sets up the problem; close pairs and the tables of their rules are computed on first use.
     pub fn new(mut boundary: Boundary, air: &Air) -> Self {
         let blocks = blocks(&mut boundary);
         let mesh = boundary.mesh();
@@ -166,25 +166,25 @@ impl Exterior {
         }
     }
 
-    /// Sets how the equations are solved; the default is what costs less.
+    /// Sets how the equations are solved; the default is the cheaper method.
     #[must_use]
     pub fn with_equation_solver(mut self, solver: EquationSolver) -> Self {
         self.equations = solver;
         self
     }
 
-    /// Sets the number of panels per wavelength below which frequencies are refused; the default is six.
+    /// Sets the number of panels per wavelength below which frequencies are rejected; the default is six.
     ///
     /// # Errors
-    /// A number that is not positive.
+    /// If the number is not positive.
     pub fn with_panels_per_wavelength(mut self, number: f64) -> Result<Self, BemError> {
         self.per_wavelength = positive("panels per wavelength", number)?;
         Ok(self)
     }
 
-    /// Integrates pairs of panels that touch or nearly touch once for all frequencies up to `highest_hz`, and
-    /// interpolates over frequency with an error of about 1e-5. This saves time and costs memory if many frequencies
-    /// are solved.
+    /// Integrates pairs of panels that touch or nearly touch in advance for all frequencies up to `highest_hz`, and
+    /// interpolates over frequency with an error of about 1e-5. This saves time at the expense of memory if many
+    /// frequencies are solved.
     pub fn with_near_field_cache(mut self, highest_hz: f64) -> Self {
         self.near();
         if let Some(near) = self.near.get_mut() {
@@ -197,13 +197,13 @@ impl Exterior {
         self.near.get_or_init(|| NearField::new(&self.boundary, &self.blocks))
     }
 
-    /// Panels per wavelength below which frequencies are refused.
+    /// Panels per wavelength below which frequencies are rejected.
     pub fn panels_per_wavelength(&self) -> f64 {
         self.per_wavelength
     }
 
-    /// Lowest resonance of the box around the surface (and its image, if it stands on the floor), pressure zero on its
-    /// walls \[Hz\]: no resonance of the inside is lower.
+    /// Lowest resonance of the bounding box of the surface (and its image, if it stands on the floor) with zero
+    /// pressure on its walls \[Hz\]; no interior resonance is lower.
     pub fn lowest_resonance(&self) -> f64 {
         let mut sides = self.boundary.extents();
         if self.boundary.stands_on_floor() {
@@ -217,7 +217,7 @@ impl Exterior {
         2.0 * PI * hz / self.air.sound_speed
     }
 
-    /// How the coupling parameter varies near a frequency.
+    /// Dependence of the coupling parameter on the wavenumber near a frequency.
     pub(crate) fn coupling(&self, hz: f64) -> Coupling {
         let share = self.coupling_share(hz);
         if share == 0.0 {
@@ -231,7 +231,7 @@ impl Exterior {
         }
     }
 
-    /// s(f) of the coupling parameter.
+    /// The factor s(f) of the coupling parameter.
     fn coupling_share(&self, hz: f64) -> f64 {
         let t = ((hz / self.lowest_resonance() - 0.5) / 0.4).clamp(0.0, 1.0);
         (0.5 * PI * t).sin().powi(2)
@@ -239,7 +239,7 @@ impl Exterior {
 
     pub(crate) fn check_resolution(&self, hz: f64) -> Result<(), BemError> {
         let highest = self.boundary.highest_hz(self.air.sound_speed, self.per_wavelength);
-        // The upper end of a range may equal this frequency.
+        // The limit itself is allowed, because it may be the upper end of a range.
         if hz <= highest * (1.0 + 1e-9) {
             return Ok(());
         }
@@ -267,35 +267,35 @@ impl Exterior {
         &self.air
     }
 
-    /// Pairs of panels too close for the far rule.
+    /// Number of panel pairs too close for the far rule.
     pub fn close_pairs(&self) -> usize {
         self.near().len()
     }
 
-    /// Shapes of those pairs: congruent pairs are integrated once.
+    /// Number of distinct shapes of those pairs; congruent pairs are integrated once.
     pub fn close_shapes(&self) -> usize {
         self.near().shapes()
     }
 
-    /// Pressure on the surface at the frequency `hz` for normal velocities that continue evenly across any mirror
-    /// planes. The velocities are corner values of every panel x patterns, see [`Boundary::project`].
+    /// Pressure on the surface at the frequency `hz` for normal velocities that are even about any mirror planes. The
+    /// velocities are corner values of each panel x patterns, see [`Boundary::project`].
     ///
     /// # Errors
-    /// A frequency that is not positive or above the limit of the mesh, patterns of another length.
+    /// If the frequency is not positive or above the limit of the mesh, or if the patterns have the wrong length.
     pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, BemError> {
         only(self.solve_parities(hz, &[Patterns::even(velocities)])?)
     }
 
-    /// Pressure on the surface for patterns of several parities: the kernels are evaluated once, every parity has one
-    /// matrix and one factorisation for all its patterns; on one thread.
+    /// Pressure on the surface for patterns of several parities, computed on one thread. The kernels are evaluated
+    /// once, and each parity has one matrix and one factorisation for all its patterns.
     ///
     /// # Errors
-    /// As [`Exterior::solve`].
+    /// Same as [`Exterior::solve`].
     pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, BemError> {
         self.solve_prepared(hz, &self.prepared(hz, patterns)?, Threads::One)
     }
 
-    /// Patterns as the equations take them, for a frequency that the mesh resolves.
+    /// Prepares patterns for the equations at a frequency that the mesh resolves.
     pub(crate) fn prepared(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<NeumannData>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.check_resolution(hz)?;
@@ -319,13 +319,13 @@ impl Exterior {
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity at the frequency `hz`.
     ///
     /// # Errors
-    /// A frequency above the limit of the mesh.
+    /// If the frequency is above the limit of the mesh.
     pub(crate) fn equations(&self, hz: f64, all: &[NeumannData], threads: Threads) -> Result<Vec<Sums>, BemError> {
         self.check_resolution(hz)?;
         Ok(self.assemble(self.wave(hz), all, threads))
     }
 
-    /// The pressures that solve the equations of a frequency, or equations that differ by a factor on both sides.
+    /// Solves the equations of a frequency; both sides may have a common factor.
     pub(crate) fn solutions(
         &self,
         hz: f64,
@@ -392,7 +392,7 @@ impl Exterior {
         Ok(solved.collect())
     }
 
-    /// A field that is odd about a plane is zero in it.
+    /// Sets a field that is odd about a plane to zero in it.
     pub(crate) fn hold_odd(&self, parity: Parity, sums: &mut Sums) {
         let nodes = 0..self.boundary.nodes();
         for node in nodes.filter(|&node| parity.vanishes(self.boundary.in_planes(node))) {
@@ -429,7 +429,7 @@ impl Exterior {
         threads.map(sums, Sums::joined)
     }
 
-    /// The integrals between some blocks and all that are not before them.
+    /// The integrals between some blocks and all blocks that do not precede them.
     fn integrals_of_blocks(
         &self,
         wave: Wave,
@@ -461,7 +461,7 @@ impl Exterior {
         sums
     }
 
-    /// Integrals of phi_i phi_j over every panel.
+    /// Integrals of phi_i phi_j over each panel.
     pub(crate) fn masses(&self) -> &[[[f64; 4]; 4]] {
         &self.masses
     }

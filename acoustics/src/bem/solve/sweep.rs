@@ -1,20 +1,21 @@
 //! Interpolation over frequency: the equations are assembled at some frequencies and interpolated at the others.
 //!
-//! The operators are integrals of e^{-jkr} times polynomials of k, with r from 0 to the largest distance D of two
-//! points, images among them. Divided by the common phase e^{-jkD/2}, e^{-jkr} has an n-th derivative of at most
-//! (D/2)^n. The polynomial through n wavenumbers k_i therefore differs from it by at most (Davis, Interpolation and
-//! Approximation, 1963, section 3.1)
+//! The operators are integrals of e^{-jkr} times polynomials in k, where r ranges from 0 to the largest distance D
+//! between two points, including images. After division by the common phase e^{-jkD/2}, the n-th derivative of e^{-jkr}
+//! is at most (D/2)^n. The interpolation polynomial through n wavenumbers k_i therefore differs from it by at most
+//! (Davis, Interpolation and Approximation, 1963, section 3.1)
 //!
 //! ```text
 //! prod_i |k - k_i| (D/2)^n / n!
 //! ```
 //!
-//! Each additional power of k raises the derivatives by a factor of about 1 + n / (k D/2): one power in K, and two in W
-//! or, with the equations times k, in K.
+//! Each additional power of k raises the derivatives by a factor of about 1 + n / (k D/2). There is one power in K, and
+//! there are two in W, or in K if the equations are multiplied by k.
 //!
-//! Resonances of the air do not slow the convergence: they arise in the inverse of the matrix. A common factor on both
-//! sides does not change the solution. The phase is therefore divided out; where the coupling parameter is -j/k, the
-//! equations are also multiplied by k. In the transition of the coupling they are not interpolated.
+//! Resonances of the air do not slow the convergence, because they arise in the inverse of the matrix. A common factor
+//! on both sides does not change the solution. The phase is therefore divided out; where the coupling parameter is
+//! -j/k, the equations are also multiplied by k. In the transition range of the coupling, the equations are not
+//! interpolated.
 
 use super::neumann::NeumannData;
 use super::problem::{Coupling, Exterior, Threads};
@@ -24,11 +25,11 @@ use pulp::Arch;
 
 /// Largest error of interpolated equations relative to an entry, by the estimate above.
 const TOLERANCE: f64 = 1e-5;
-/// Largest sum of the magnitudes of the weights, by which rounding grows.
+/// Largest sum of the weights' magnitudes, which amplifies rounding.
 const LEBESGUE: f64 = 30.0;
-/// Most memory of the equations of a surface \[bytes\].
+/// Largest memory for the equations of a surface \[bytes\].
 const MEMORY: usize = 450_000_000;
-/// Usual number of frequencies whose equations are cached.
+/// Typical number of frequencies whose equations are cached.
 const USUAL_FREQUENCIES: f64 = 25.0;
 
 /// Equations of a surface at several frequencies.
@@ -40,21 +41,21 @@ pub(crate) struct EquationSweep {
     bytes: usize,
 }
 
-/// The equations of one frequency without their phase.
+/// The equations of one frequency without their common phase.
 #[derive(Debug)]
 struct Kept {
     k: f64,
     coupling: Coupling,
-    /// Of every parity, see [`Sums::flat`]; empty until they are assembled.
+    /// Values for each parity, see [`Sums::flat`]; empty until assembled.
     values: Vec<Vec<f32>>,
 }
 
-/// How the equations of a frequency are found.
+/// How the equations of a frequency are obtained.
 #[derive(Debug)]
 pub(crate) enum Origin {
-    /// From the kernels, to be cached under a number.
+    /// Assembled from the kernels, and cached under this number if given.
     Assemble(Option<usize>),
-    /// From cached equations and their weights.
+    /// Interpolated from cached equations with these weights.
     Interpolate(Vec<(usize, f32)>),
 }
 
@@ -67,8 +68,8 @@ impl EquationSweep {
         }
     }
 
-    /// How to find the equations of some frequencies: the frequency with the largest estimated error is assembled
-    /// first, until all others can be interpolated.
+    /// Plans how to obtain the equations of some frequencies: the frequency with the largest estimated error is
+    /// assembled first, until all others can be interpolated.
     pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Origin> {
         let n = problem.boundary().nodes();
         let bytes: usize = data.iter().map(|data| 8 * n * (n + data.count())).sum();
@@ -98,8 +99,8 @@ impl EquationSweep {
         ways.into_iter().flatten().collect()
     }
 
-    /// Drops equations that lie outside the range of new frequencies, the most distant first, if those of all these
-    /// frequencies do not fit into the memory.
+    /// If the equations of new frequencies do not fit in memory, drops cached ones outside their range, the most
+    /// distant first.
     fn make_room(&mut self, problem: &Exterior, hz: &[f64], bytes: usize) {
         let k = hz.iter().map(|&hz| problem.wavenumber(hz));
         let (low, high) = k.fold((f64::INFINITY, 0.0), |(low, high), k| (k.min(low), k.max(high)));
@@ -117,7 +118,7 @@ impl EquationSweep {
         }
     }
 
-    /// The equations of a frequency without their phase, for the cache.
+    /// The equations of a frequency without their common phase, for the cache.
     pub(crate) fn without_phase(&self, problem: &Exterior, hz: f64, sums: &[Sums]) -> Vec<Vec<f32>> {
         let k = problem.wavenumber(hz);
         let size = if problem.coupling(hz) == Coupling::Inverse {
@@ -151,8 +152,8 @@ impl EquationSweep {
         threads.map((0..parities).collect(), of_parity)
     }
 
-    /// Estimated error of the equations of a wavenumber by interpolation, and weights of those cached: of the nearest
-    /// ones, as many as are needed.
+    /// Estimated interpolation error at a wavenumber, and the weights of the cached equations: as many of the nearest
+    /// ones as needed.
     fn weights(&self, k: f64, coupling: Coupling) -> (f64, Vec<(usize, f32)>) {
         let alike = |(_, kept): &(usize, &Kept)| kept.coupling == coupling && coupling != Coupling::Transition;
         let mut nodes: Vec<(usize, f64)> = self
@@ -184,8 +185,8 @@ impl EquationSweep {
     }
 }
 
-/// Sums of arrays times their weights from a number on; inlined, so that it is compiled for the instructions of the
-/// processor.
+/// Adds up arrays times their weights from `start` onwards; inlined, so that it is compiled for the processor's
+/// instruction set.
 #[inline(always)]
 fn combine(known: &[(&[f32], f32)], start: usize, to: &mut [f32]) {
     to.fill(0.0);
@@ -196,7 +197,7 @@ fn combine(known: &[(&[f32], f32)], start: usize, to: &mut [f32]) {
 }
 
 impl Exterior {
-    /// Memory of the cached equations where those of many frequencies are interpolated \[bytes\], about, with so many
+    /// Approximate memory of the cached equations \[bytes\] if many frequencies are interpolated, with this many
     /// patterns in every parity; none with a compressed matrix.
     pub fn bytes_of_kept_equations(&self, patterns: usize) -> f64 {
         let (n, copies) = (self.boundary().nodes() as f64, self.boundary().copies() as f64);
@@ -221,7 +222,7 @@ mod tests {
     use crate::bem::solve::problem::SurfacePressure;
     use nalgebra::DMatrix;
 
-    /// Half a box of 0.5 m with a given thickness \[m\] above the floor, in both parities about its mirror plane.
+    /// Half of a box of 0.5 m with the given thickness \[m\] above the floor, in both parities about its mirror plane.
     fn problem(thickness: f64) -> (Exterior, Vec<NeumannData>) {
         let (mirrors, floor) = ([Some(0.0), None], 0.0);
         let block = SolidBox {
@@ -249,7 +250,7 @@ mod tests {
         (problem, data)
     }
 
-    /// Largest difference of a pattern's pressure, relative to its largest value.
+    /// Largest difference in a pattern's pressure, relative to its largest value.
     fn difference(found: &[SurfacePressure], exact: &[SurfacePressure]) -> f64 {
         let norm = |p: &DMatrix<Complex<f64>>, m: usize| p.column(m).iter().map(|z| z.norm()).fold(0.0, f64::max);
         let of_pattern = |(found, exact): (&SurfacePressure, &SurfacePressure), m: usize| {
@@ -259,8 +260,8 @@ mod tests {
         pairs.map(|(pair, m)| of_pattern(pair, m)).fold(0.0, f64::max)
     }
 
-    /// Solves 20 frequencies of a range, interpolating where possible; returns the number of frequencies assembled and
-    /// the largest difference of the others from their own equations.
+    /// Solves 20 frequencies of a range with interpolation where possible; returns the number of frequencies assembled,
+    /// and the largest difference of the others from a direct solution.
     fn interpolated(thickness: f64, range: impl Fn(f64) -> [f64; 2]) -> (usize, f64) {
         let (problem, data) = problem(thickness);
         let mut sweep = EquationSweep::new(&problem);

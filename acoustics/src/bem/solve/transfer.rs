@@ -1,4 +1,4 @@
-//! Projection of normal velocities from the faces of volume meshes to panels that do not match them.
+//! Projects normal velocities from the faces of volume meshes onto panels that do not match them.
 
 use super::neumann::Patterns;
 use crate::bem::error::BemError;
@@ -11,31 +11,31 @@ use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{DMatrix, Matrix4, Vector2, Vector3};
 use std::ops::Range;
 
-/// Largest fraction of a panel that may be uncovered, or covered twice.
+/// Largest fraction of a panel that may be uncovered or covered twice.
 const COVER: f64 = 1e-6;
 
 /// A part of the body with its own volume mesh. The panels of some patches lie on its flat faces.
 #[derive(Clone, Debug)]
 pub struct MovingPart<'a> {
-    /// Skin of the volume mesh: flat faces with straight sides.
+    /// Skin of the volume mesh, with flat, straight-sided faces.
     pub skin: &'a Surface,
     /// Modal displacements of the skin's points, (3 x points) x modes.
     pub modes: &'a DMatrix<f64>,
-    /// Patches of the boundary that belong to it.
+    /// Patches of the boundary that belong to this part.
     pub patches: Range<usize>,
 }
 
 impl Boundary {
-    /// Normal velocities of all modes of all parts (part after part), split by their parity with respect to the mirror
-    /// planes.
+    /// Normal velocities of all modes of all parts (one part after another), separated by parity with respect to the
+    /// mirror planes.
     ///
-    /// On every panel this is the least-squares fit to the polynomials of the faces, integrated exactly on every
-    /// intersection of a face with the panel. The volume flow of each panel equals that of the faces, for meshes of any
+    /// On each panel, this is the least-squares fit to the polynomials of the faces, integrated exactly over every
+    /// intersection of a face with the panel. The volume flow of each panel equals that of the faces, whatever the mesh
     /// size.
     ///
     /// # Errors
-    /// [`BemError::Uncovered`] for a panel that is not covered by the faces of its part,
-    /// [`InputError::Length`] for modes of another mesh.
+    /// [`BemError::Uncovered`] if the faces of its part do not cover a panel; [`InputError::Length`] for modes of a
+    /// different mesh.
     pub fn transfer(&self, parts: &[MovingPart<'_>]) -> Result<Vec<Patterns>, BemError> {
         let modes = parts.iter().map(|p| p.modes.ncols()).sum();
         let mirrors = self.mirrors().map(|mirror| mirror.is_some());
@@ -168,7 +168,7 @@ fn by_point(part: &MovingPart<'_>) -> Result<DMatrix<f64>, InputError> {
     Ok(part.modes.transpose())
 }
 
-/// A face of a skin whose sides are straight.
+/// A straight-sided face of a skin.
 struct FlatFace {
     number: usize,
     kind: FaceKind,
@@ -201,7 +201,7 @@ fn flat_faces(skin: &Surface) -> Vec<FlatFace> {
     skin.faces.iter().enumerate().map(face).collect()
 }
 
-/// Coordinates in a plane.
+/// Coordinate system in a plane.
 struct Frame {
     origin: Vector3<f64>,
     axes: [Vector3<f64>; 2],
@@ -229,7 +229,7 @@ fn signed_area(polygon: &[Vector2<f64>]) -> f64 {
     0.5 * (0..n).map(|i| polygon[i].perp(&polygon[(i + 1) % n])).sum::<f64>()
 }
 
-/// The part of a convex polygon inside another one (Sutherland & Hodgman 1974).
+/// The intersection of two convex polygons (Sutherland & Hodgman 1974).
 fn clip(polygon: &[Vector2<f64>], by: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let turn = signed_area(by).signum();
     let mut piece = polygon.to_vec();
@@ -251,10 +251,10 @@ fn clip(polygon: &[Vector2<f64>], by: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     piece
 }
 
-/// Natural coordinates of a point of a triangle or quadrilateral with straight sides, by Newton's method.
+/// Natural coordinates of a point in a straight-sided triangle or quadrilateral, by Newton's method.
 fn natural(kind: FaceKind, corners: &[Vector2<f64>], at: Vector2<f64>) -> [f64; 2] {
     let mut xi = kind.centre();
-    // The map is bilinear, and linear on the parallelograms of a regular mesh: one step, then rounding.
+    // The map is bilinear, but linear on the parallelograms of a regular mesh, where one step suffices up to rounding.
     for _ in 0..20 {
         let shape = kind.linear().at(xi);
         let (mut x, mut t) = (Vector2::zeros(), [Vector2::zeros(); 2]);

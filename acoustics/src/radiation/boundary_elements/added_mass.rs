@@ -1,16 +1,16 @@
-//! The mass of fluid that moves along with modes, X/omega, over frequency.
+//! Added mass of the fluid for the modes, X/omega, as a function of frequency.
 //!
-//! It is finite at zero frequency and varies only on the scale of ka. A few of the frequencies of R are therefore
-//! sufficient: linear interpolation over the logarithm of frequency, between nodes a quarter of an octave apart, has an
-//! error of some 2 %. Beyond the lowest and the highest node the value is constant. Above the highest node this is an
-//! upper bound, because the mass falls there.
+//! It is finite at zero frequency and varies only on the scale of ka. A few of the frequencies of R therefore suffice:
+//! linear interpolation in the logarithm of frequency, between nodes a quarter of an octave apart, has an error of
+//! about 2 %. Outside the range of the nodes the value is constant. Above the highest node this is an upper bound,
+//! because the mass decreases there.
 
 use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Least distance of nodes \[octaves\].
+/// Smallest distance between nodes \[octaves\].
 const APART: f64 = 0.25;
 
 /// Lower triangle of a symmetric matrix, column by column, in single precision.
@@ -39,18 +39,18 @@ impl PackedMass {
     }
 }
 
-/// Masses of every parity at the frequencies solved.
+/// Masses of every parity at the solved frequencies.
 #[derive(Debug, Default)]
 pub(crate) struct MassSamples(BTreeMap<u64, Vec<PackedMass>>);
 
 impl MassSamples {
-    /// Adds those at a frequency \[Hz\]; of two meshes the later counts.
+    /// Adds the masses at a frequency \[Hz\]; if two meshes provide them, the later one is used.
     pub(crate) fn insert(&mut self, hz: f64, masses: &[PackedMass]) {
-        // Positive numbers rise with their bits.
+        // Positive numbers are ordered like their bit patterns.
         self.0.insert(hz.to_bits(), masses.to_vec());
     }
 
-    /// Some frequencies, of the parities with these numbers.
+    /// Selects some frequencies, and the parities with these numbers.
     pub(crate) fn thinned(self, parities: &[usize]) -> AddedMasses {
         let mut masses = AddedMasses::default();
         let mut from = 0.0;
@@ -68,16 +68,16 @@ impl MassSamples {
     }
 }
 
-/// Masses of every parity at rising frequencies.
+/// Masses of every parity at ascending frequencies.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct AddedMasses {
     hz: Vec<f64>,
-    /// Frequencies x parities.
+    /// By frequency and parity.
     parities: Vec<Vec<PackedMass>>,
 }
 
 impl AddedMasses {
-    /// M v of a parity for a sparse motion, given by its nonzero entries.
+    /// M v for one parity and a sparse motion, given by its nonzero entries.
     pub(crate) fn product(&self, parity: usize, hz: f64, motion: &[(usize, f64)]) -> DVector<f64> {
         let mut product = DVector::zeros(0);
         for (node, weight) in self.weights(hz) {
@@ -95,7 +95,7 @@ impl AddedMasses {
         product
     }
 
-    /// M(f) v of a parity for a motion at each frequency \[Hz\], modes x frequencies.
+    /// M(f) v for one parity and a motion at each frequency \[Hz\], modes x frequencies.
     pub(crate) fn products(&self, parity: usize, hz: &[f64], motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut products = DMatrix::zeros(motion.nrows(), motion.ncols());
         let mut of_nodes: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
@@ -118,7 +118,7 @@ impl AddedMasses {
         products
     }
 
-    /// Nodes with their weights.
+    /// Interpolation nodes with their weights.
     fn weights(&self, hz: f64) -> Vec<(usize, f64)> {
         let above = self.hz.partition_point(|&node| node < hz);
         if above == 0 || above == self.hz.len() {

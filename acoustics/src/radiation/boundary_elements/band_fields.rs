@@ -1,4 +1,4 @@
-//! Energies of a shot's sound in frequency bands: on the surface, at points around it and in the far field.
+//! Sound energy of a shot in frequency bands: on the surface, at points around it and in the far field.
 
 use super::independent::{Independent, independent};
 use super::mesh_range::MeshRange;
@@ -19,19 +19,19 @@ use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Bins worked on at once.
+/// Number of bins processed at once.
 const CHUNK: usize = 64;
 
-/// The whole surface, its images in the mirror planes among it; panels are given by their corners.
+/// The complete surface, including its images in the mirror planes; panels are given by their corners.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeSurface {
     /// Positions \[m\].
     pub points: Vec<Point3<f64>>,
-    /// Corners of every panel, outward by the right-hand rule; three or four.
+    /// Corners of every panel, three or four, ordered for an outward normal.
     pub panels: Vec<Vec<usize>>,
     /// Area of every panel \[m2\].
     pub areas: Vec<f64>,
-    /// Patch of every panel.
+    /// Patch of each panel.
     pub patch: Vec<usize>,
     /// Names of the patches.
     pub patches: Vec<String>,
@@ -40,17 +40,17 @@ pub struct WholeSurface {
 /// Pressure, intensity and velocity on the surface in one band.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceBand {
-    /// Its surface among those of [`BandFields::surfaces`].
+    /// Its surface, as an index into [`BandFields::surfaces`].
     pub surface: usize,
-    /// Sound exposure 2 int |p|² df at every point \[Pa² s\].
+    /// Sound exposure 2 int |p|² df at each point \[Pa² s\].
     pub exposure: Vec<f64>,
-    /// Energy per area that leaves every panel, 2 int Re(p v_n*) df \[J/m2\]; negative where sound enters.
+    /// Energy per area that leaves each panel, 2 int Re(p v_n*) df \[J/m2\]; negative where sound enters.
     pub intensity: Vec<f64>,
-    /// Exposure of the normal velocity, 2 int |v_n|² df, mean of every panel \[m2/s\].
+    /// Exposure of the normal velocity, 2 int |v_n|² df, averaged over each panel \[m2/s\].
     pub velocity: Vec<f64>,
 }
 
-/// The sound of a shot around a body by boundary elements, band by band.
+/// The sound of a shot around a body by the boundary element method, in bands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandFields {
     /// Sound exposure at the field points and energy in the far field.
@@ -64,11 +64,11 @@ pub struct BandFields {
 impl BandFields {
     /// Solves the problem at as many frequencies as the bands need, each on the coarsest mesh that resolves it.
     ///
-    /// `levels` rise in frequency; their patterns are those of the modes of `spectra`.
+    /// `levels` are in ascending order of frequency; their patterns are those of the modes of `spectra`.
     ///
     /// # Errors
-    /// [`BemError::TooCoarse`](crate::bem::BemError) for a band above the last level, points that are not
-    /// [clear](Exterior::is_clear), lengths that do not fit.
+    /// [`BemError::TooCoarse`](crate::bem::BemError) for a band above the last level; also for points that are not
+    /// [clear](Exterior::is_clear) and for inconsistent lengths.
     pub fn new(
         levels: Vec<MeshRange>,
         bands: &[Band],
@@ -137,13 +137,13 @@ impl BandFields {
 /// One mesh range with its independent modes and images.
 struct Whole<'a> {
     problem: &'a Exterior,
-    /// Independent modes of every parity.
+    /// Independent modes of each parity.
     patterns: Vec<Patterns>,
     chosen: &'a [Independent],
     surface: WholeSurface,
     /// Images in the mirror planes.
     images: Vec<Image>,
-    /// Unknowns at the corners, area and integrals of phi_i phi_j of every panel.
+    /// For each panel, the unknowns at its corners, its area and the integrals of phi_i phi_j.
     panels: Vec<(Vec<usize>, f64, [[f64; 4]; 4])>,
 }
 
@@ -165,7 +165,7 @@ impl<'a> Whole<'a> {
         }
     }
 
-    /// Pressure on the surface, at the field points and in the far field per unit of acceleration; by parity.
+    /// Pressure on the surface, at the field points and in the far field per unit of acceleration, by parity.
     fn piece(&self, group: &[Band], around: &FieldPoints<'_>) -> Result<Fields, AcousticsError> {
         let (radius, origin) = self.problem.reach();
         let speed = self.problem.air().sound_speed;
@@ -184,7 +184,8 @@ impl<'a> Whole<'a> {
             let after = |way: f64| Complex::from_polar(1.0, omega / speed * way);
             let mut quantities = Vec::new();
             for solution in &solutions {
-                // Sound from all over the surface, and by the floor: as far again as the body reaches.
+                // Allows for sound from anywhere on the surface, and for its reflection by the floor, with path
+                // differences up to the size of the body.
                 quantities.push(&solution.pressure * (per_acceleration * after(radius)));
             }
             for m in self.problem.around(around.points, &all) {
@@ -197,7 +198,7 @@ impl<'a> Whole<'a> {
         })
     }
 
-    /// Adds up a band.
+    /// Accumulates the results of a band.
     fn band(
         &self,
         piece: &Fields,
@@ -252,7 +253,7 @@ impl<'a> Whole<'a> {
 
     fn on_surface(&self, pressure: &[Field], accelerations: &[Field], hz: &[f64], weights: &[f64]) -> SurfaceBand {
         let (bins, radius) = (hz.len(), self.problem.reach().0);
-        // The pressure is advanced by the travel time across the body; the velocity is advanced equally.
+        // The pressure is advanced by the travel time across the body, so the velocity must be advanced equally.
         let turn: Vec<Complex<f64>> = hz
             .iter()
             .map(|hz| {
@@ -340,7 +341,7 @@ fn panels(boundary: &Boundary) -> Vec<(Vec<usize>, f64, [[f64; 4]; 4])> {
     (0..mesh.panels.len()).map(of_panel).collect()
 }
 
-/// All images of the unknowns' points, image after image, and of the panels.
+/// All images of the unknowns' points, one image after another, and of the panels.
 fn whole_surface(boundary: &Boundary, images: &[Image]) -> WholeSurface {
     let mesh = boundary.mesh();
     let mut places = vec![Vector3::zeros(); boundary.nodes()];

@@ -2,24 +2,26 @@ use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Matrix T of a parity: amplitudes of the independent modes with known radiation, for the amplitudes of all modes.
+/// Matrix T of one parity: maps the amplitudes of all modes to those of the independent modes, whose radiation is
+/// known.
 ///
-/// Of the same body the column of an independent mode is a unit vector, and most other modes have another parity, so
-/// that few columns have more than one entry. The modes of another body on the same surface are all combinations.
+/// For modes of the same body, the column of an independent mode is a unit vector, and most other modes have a
+/// different parity, so few columns have more than one entry. Modes of another body on the same surface are all
+/// combinations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Combination {
-    /// Numbers of the independent modes among all modes; none where they belong to another body.
+    /// Indices of the independent modes among all modes; empty if they belong to another body.
     independent: Vec<usize>,
-    /// Indices of the modes that are combinations of them.
+    /// Indices of the modes that are combinations of the independent ones.
     dependent: Vec<usize>,
-    /// Independent modes x dependent ones.
+    /// Coefficients, independent modes x dependent ones.
     #[serde(with = "crate::blocks")]
     of_dependent: DMatrix<f64>,
     modes: usize,
 }
 
 impl Combination {
-    /// For `modes` modes.
+    /// Creates the matrix for `modes` modes.
     pub(crate) fn new(
         modes: usize,
         independent: Vec<usize>,
@@ -34,8 +36,8 @@ impl Combination {
         }
     }
 
-    /// Combinations of another set of independent modes: one column of `of_combined` for each mode in `combined`,
-    /// nothing for the others of `modes`.
+    /// Combinations of another set of independent modes: one column of `of_combined` for each mode in `combined`; the
+    /// others of `modes` are zero.
     pub(crate) fn of_others(modes: usize, combined: Vec<usize>, of_combined: DMatrix<f64>) -> Self {
         Self::new(modes, Vec::new(), combined, of_combined)
     }
@@ -45,12 +47,12 @@ impl Combination {
         self.of_dependent.nrows()
     }
 
-    /// Numbers of the independent modes among all modes.
+    /// Indices of the independent modes among all modes.
     pub(crate) fn independent(&self) -> &[usize] {
         &self.independent
     }
 
-    /// T a for every column of `motion` (modes x columns).
+    /// T a for each column of `motion` (modes x columns).
     pub(crate) fn of(&self, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut of = if self.independent.is_empty() {
             DMatrix::zeros(self.rows(), motion.ncols())
@@ -64,7 +66,7 @@ impl Combination {
         of
     }
 
-    /// Adds T^T x for every column of `x` (independent modes x columns).
+    /// Adds T^T x for each column of `x` (independent modes x columns).
     pub(crate) fn add_transposed(&self, x: &DMatrix<Complex<f64>>, to: &mut DMatrix<Complex<f64>>) {
         for (mut to, x) in to.column_iter_mut().zip(x.column_iter()) {
             self.independent
@@ -81,7 +83,7 @@ impl Combination {
         }
     }
 
-    /// T v for a sparse real motion v, given by its nonzero entries; the result has nonzero entries only, in rising
+    /// T v for a sparse real motion v, given by its nonzero entries; the result has only nonzero entries, in ascending
     /// order.
     pub(crate) fn of_sparse(&self, motion: &[(usize, f64)]) -> Vec<(usize, f64)> {
         let mut of = vec![0.0; self.rows()];

@@ -5,12 +5,12 @@ use crate::bem::solve::neumann::Patterns;
 
 use nalgebra::DMatrix;
 
-/// Relative amplitude below which a mode adds nothing new to the patterns of a parity.
+/// Relative amplitude below which a mode counts as a combination of the other patterns of a parity.
 const RANK: f64 = 1e-6;
 
-/// Modes with linearly independent patterns in a parity, and the combinations that represent all modes.
+/// Modes with linearly independent patterns of a parity, and the combinations that represent all modes.
 pub(crate) struct Independent {
-    /// Their numbers.
+    /// Their indices.
     pub(crate) modes: Vec<usize>,
     /// Combinations that represent all modes.
     pub(crate) combination: Combination,
@@ -26,7 +26,8 @@ impl Independent {
     }
 }
 
-/// By the Cholesky factorisation with pivots of the patterns' Gram matrix, every mode scaled by its whole pattern.
+/// Selects independent modes by pivoted Cholesky factorisation of the patterns' Gram matrix, with every mode scaled by
+/// its complete pattern.
 pub(crate) fn independent(level: &MeshRange) -> Vec<Independent> {
     let weights = weights(level.problem.boundary());
     let grams: Vec<DMatrix<f64>> = level.patterns.iter().map(|p| gram(&p.velocities, &weights)).collect();
@@ -44,7 +45,7 @@ pub(crate) fn independent(level: &MeshRange) -> Vec<Independent> {
     grams.iter().map(|gram| pivoted(gram, &scale)).collect()
 }
 
-/// Area of every corner of every panel \[m2\], in the order of the velocity values.
+/// Area attributed to each corner of each panel \[m2\], in the order of the velocity values.
 pub(crate) fn weights(boundary: &Boundary) -> Vec<f64> {
     let mesh = boundary.mesh();
     let mut weights = Vec::with_capacity(boundary.velocity_values());
@@ -57,11 +58,11 @@ pub(crate) fn weights(boundary: &Boundary) -> Vec<f64> {
 
 /// Gram matrix V^T W V of the columns of V with the weights W of its rows.
 pub(crate) fn gram(values: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
-    // nalgebra's `tr_mul` is a column at a time, its product is blocked.
+    // nalgebra's `tr_mul` works column by column, whereas its product is blocked.
     values.transpose() * weighted(values, weights)
 }
 
-/// Every row times its weight.
+/// Multiplies each row by its weight.
 pub(crate) fn weighted(values: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
     let mut weighted = values.clone();
     for mut column in weighted.column_iter_mut() {
@@ -73,7 +74,7 @@ pub(crate) fn weighted(values: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
 fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
     let n = scale.len();
     let mut rest: Vec<f64> = (0..n).map(|m| gram[(m, m)] / (scale[m] * scale[m])).collect();
-    // Rows of the factor, pivot by pivot.
+    // Rows of the factor, in pivot order.
     let (mut pivots, mut rows) = (Vec::<usize>::new(), Vec::<Vec<f64>>::new());
     while let Some(pivot) = (0..n).max_by(|&a, &b| rest[a].total_cmp(&rest[b]).then(b.cmp(&a))) {
         if rest[pivot].is_nan() || rest[pivot] <= RANK * RANK {
@@ -93,8 +94,8 @@ fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
         pivots.push(pivot);
         rows.push(row);
     }
-    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, L_P the triangle of the pivots. Modes with a negligible component
-    // in this parity are left out, like negligible pivots.
+    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, where L_P is the triangle of the pivots. Modes with a negligible
+    // component of this parity are omitted, like negligible pivots.
     let r = pivots.len();
     let present = |m: &usize| gram[(*m, *m)] > (RANK * scale[*m]).powi(2) && !pivots.contains(m);
     let dependent: Vec<usize> = (0..n).filter(present).collect();

@@ -7,25 +7,25 @@ use crate::bem::error::BemError;
 use crate::checks::InputError;
 use crate::error::AcousticsError;
 
-/// By how much the end of a band may exceed the top of its mesh, relative.
+/// Relative tolerance by which the end of a band may exceed the upper limit of its mesh.
 const SLACK: f64 = 1e-9;
 
-/// Boundary elements in the mean over frequency, above the meshes of single frequencies.
+/// Boundary elements averaged over frequency, above the range of single frequencies.
 #[derive(Debug, Default)]
 pub struct MeanRanges {
-    /// Upper end of the means \[Hz\]; without it half an octave above single frequencies, which needs no finer mesh.
+    /// Upper end of the averages \[Hz\]; by default half an octave above single frequencies, which needs no finer mesh.
     pub to_hz: Option<f64>,
-    /// Meshes for the bands that the last mesh of single frequencies does not serve, those of
-    /// [`MeanBands::finer_meshes`]. They have the same modes, parities and patches as that mesh.
+    /// Meshes for the bands that cannot use the last mesh of single frequencies, see [`MeanBands::finer_meshes`]. They
+    /// have the same modes, parities and patches as that mesh.
     pub finer: Vec<MeshRange>,
 }
 
 impl MeanRanges {
-    /// Means over the bands above those of the mesh of single frequencies, in rising order. Each band is solved on the
-    /// first mesh that reaches its upper end, or on the last.
+    /// Averages over the bands above the range of single frequencies, in ascending order. Each band is solved on the
+    /// first mesh that reaches its upper end, or on the last mesh.
     ///
     /// # Errors
-    /// Those of the solutions.
+    /// Errors of the solutions.
     pub(crate) fn means(
         finer: Vec<MeshRange>,
         bands: &MeanBands,
@@ -43,7 +43,7 @@ impl MeanRanges {
                 continue;
             }
             let top_hz = mesh.top_hz;
-            // Too few frequencies for integrals of close panels to be worth keeping.
+            // There are too few frequencies for caching the integrals of close panels to pay off.
             let solver = RangeSolver::new(mesh, top_hz, chosen, progress)?;
             means.extend(solver.means(&own)?);
             solver.report_errors(summary);
@@ -51,10 +51,10 @@ impl MeanRanges {
         Ok(means)
     }
 
-    /// Checks that the meshes resolve waves up to the upper end of the bands.
+    /// Checks that the meshes resolve wavelengths up to the upper end of the bands.
     ///
     /// # Errors
-    /// [`InputError::Length`] without meshes where bands need some, [`BemError::TooCoarse`].
+    /// [`InputError::Length`] if bands need meshes but there are none; [`BemError::TooCoarse`].
     pub(crate) fn check(&self, bands: &MeanBands) -> Result<(), BemError> {
         let needed = bands.finer_meshes().len();
         for mesh in &self.finer {

@@ -1,7 +1,7 @@
 use crate::bem::solve::neumann::Patterns;
 use crate::bem::solve::problem::Exterior;
 
-/// A mesh of the body and the highest frequency of its use.
+/// A mesh of the body, and the highest frequency at which it is used.
 #[derive(Debug)]
 pub struct MeshRange {
     /// The exterior problem.
@@ -18,7 +18,7 @@ impl MeshRange {
         self.patterns.first().map_or(0, |patterns| patterns.velocities.ncols())
     }
 
-    /// Highest frequency that its mesh resolves \[Hz\].
+    /// Highest frequency resolved by its mesh \[Hz\].
     pub fn resolved_hz(&self) -> f64 {
         let problem = &self.problem;
         problem

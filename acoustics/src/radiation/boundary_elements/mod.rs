@@ -1,4 +1,4 @@
-//! Modes of a body over frequency: radiation matrices, pressures at receivers, and fields band by band.
+//! Modes of a body over frequency: radiation matrices, pressures at receivers, and fields in bands.
 
 pub(crate) mod added_mass;
 pub(crate) mod band_fields;

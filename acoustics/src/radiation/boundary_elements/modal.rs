@@ -25,17 +25,17 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
-/// Name of the last patch of [`ModalBem`]: the power by the far field minus that by the intensity on the surface.
+/// Name of the last patch of [`ModalBem`]: the power from the far field minus that from the intensity on the surface.
 const REST: &str = "far field less surface";
 
-/// Name of all patches of the surface together.
+/// Name of all patches of the surface combined.
 const SURFACE: &str = "surface";
 
-/// Samples that a mesh adds at a time to correct a coarser one that does not resolve the same frequencies. These
-/// samples are the most expensive ones.
+/// Number of samples added at a time when a mesh corrects a coarser one that does not resolve the same frequencies.
+/// These samples are the most expensive ones.
 const CORRECTIONS: usize = 3;
 
-/// The same where the coarser mesh resolves them, so that the difference is smooth.
+/// The same number if the coarser mesh resolves them, so that the difference is smooth.
 const CORRECTIONS_OF_SHAPE: usize = 2;
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
@@ -52,30 +52,30 @@ pub struct ModalBem {
     modes: usize,
     /// T_c.
     combinations: Vec<Combination>,
-    // Shared, so that conversion to another air needs no memory.
+    // Shared, so that conversion to different air conditions needs no memory.
     #[serde(with = "shared")]
     parities: Arc<Vec<CompositeRadiation>>,
     solution: SolutionId,
-    /// At no receivers unless added.
+    /// Empty unless receivers were added.
     #[serde(with = "shared")]
     pressures: Arc<ModalPressures>,
     #[serde(with = "shared")]
     masses: Arc<AddedMasses>,
-    /// Octaves of the averaged boundary elements above single frequencies.
+    /// Octaves of averaged boundary elements above single frequencies.
     mean_octaves: f64,
     /// Summary of the sampling.
     pub summary: Summary,
     air: AirScale,
-    /// The parities of [`Self::undivided`], once they were asked for.
+    /// The parities of [`Self::undivided`], once requested.
     #[serde(skip)]
     sums: Arc<OnceLock<Arc<Vec<CompositeRadiation>>>>,
-    /// How the modes combine from those whose radiation was solved, where those are of another body.
+    /// If the solved modes belong to another body, how the modes combine from them.
     #[serde(skip)]
     fit: Option<Arc<SurfaceFit>>,
 }
 
-/// Conversion to another air than that of the computation. At the same wavenumber k = omega/c the boundary conditions
-/// are the same.
+/// Conversion to air conditions other than those of the computation. At the same wavenumber k = omega/c, the boundary
+/// conditions are the same.
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
@@ -95,7 +95,7 @@ impl AirScale {
         density: 1.0,
     };
 
-    /// Frequency of the computation that corresponds to a frequency in this air \[Hz\].
+    /// Frequency in the computation that corresponds to a frequency in this air \[Hz\].
     fn computed(&self, hz: f64) -> f64 {
         hz / self.speed
     }
@@ -116,20 +116,20 @@ impl AirScale {
 }
 
 impl ModalBem {
-    /// Samples R(f) from `sampling.range_hz[0]` up, on meshes that become finer; the upper end is that of the last
-    /// level. In the range of a level, the next coarser mesh gives the frequency dependence of R(f), and the level's
-    /// own mesh corrects it at fewer frequencies ([`SampledRadiation::of_parities`] describes the error estimate). If
-    /// the coarser mesh resolves the same range, as that of [`Boundary::coarsened`](crate::bem::Boundary::coarsened)
-    /// does, only the shape differs and few corrections are needed. Half an octave more is solved on the last mesh as
-    /// averages over a few frequencies; [`ModalBem::solve`] goes on to higher frequencies. Above that, the
-    /// high-frequency limit is used: Rayleigh's integral for flat faces, the equivalent radiated power for curved parts
-    /// and parts small compared with the wavelength.
+    /// Samples R(f) from `sampling.range_hz[0]` upwards, on increasingly fine meshes; the upper end is that of the last
+    /// level. In the range of a level, the next coarser mesh determines the frequency dependence of R(f), and the
+    /// level's own mesh corrects it at fewer frequencies ([`SampledRadiation::of_parities`] describes the error
+    /// estimate). If the coarser mesh resolves the same range, as that of
+    /// [`Boundary::coarsened`](crate::bem::Boundary::coarsened) does, only the shape differs and few corrections are
+    /// needed. The last mesh also serves another half octave as averages over a few frequencies; [`ModalBem::solve`]
+    /// continues to higher frequencies. Above that, the high-frequency limit is used: Rayleigh's integral for flat
+    /// faces, and the equivalent radiated power for curved parts and parts small compared with the wavelength.
     ///
     /// `progress` is called after each frequency solved.
     ///
     /// # Errors
-    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError), lengths that
-    /// do not fit, no level.
+    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError); also for
+    /// inconsistent lengths, or without any level.
     pub fn new(
         levels: Vec<MeshRange>,
         sampling: &Sampling,
@@ -138,12 +138,12 @@ impl ModalBem {
         Self::solve(levels, MeanRanges::default(), sampling, progress).map(|(radiation, _)| radiation)
     }
 
-    /// The same with averages up to another frequency, with finer meshes above half an octave. Also returns the
+    /// Same as `new`, with averages up to a different frequency, on finer meshes above half an octave. Also returns the
     /// pressures on the surface at the sampled frequencies.
     ///
     /// # Errors
-    /// As [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) where the meshes of the averages end
-    /// below their bands.
+    /// Those of [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) if the meshes of the averages do
+    /// not reach the end of their bands.
     pub fn solve(
         levels: Vec<MeshRange>,
         means: MeanRanges,
@@ -197,11 +197,11 @@ impl ModalBem {
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
         let resolved: Vec<f64> = levels.iter().map(MeshRange::resolved_hz).collect();
-        // Whether the mesh before resolves a range as well as the range's own, so that the results differ only by the
-        // shape, smoothly over frequency.
+        // Whether the preceding mesh resolves a range as well as the range's own mesh, so that the results differ only
+        // by the shape, smoothly over frequency.
         let is_resolved_before = |number: usize| number > 0 && resolved[number - 1] >= tops[number] * (1.0 - 1e-9);
         let prepare = |(number, level): (usize, MeshRange)| {
-            // The solver also predicts the next range, and the last one solves the averages.
+            // The solver also predicts the next range, and the last one also solves the averages.
             let next = tops.get(number + 1).copied();
             let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
             let kept_to = next.filter(|_| !last).unwrap_or(bands.same_mesh_to_hz());
@@ -209,7 +209,7 @@ impl ModalBem {
             if !is_resolved_before(number) {
                 solver = solver.with_near_field_cache(kept_to);
             }
-            // The last of several meshes is solved at few frequencies: those of corrections and averages.
+            // The last of several meshes is solved only at the few frequencies of corrections and averages.
             if number == 0 || next.is_some() {
                 solver = solver.with_interpolated_equations();
             }
@@ -304,8 +304,7 @@ impl ModalBem {
         Ok((radiation, surface))
     }
 
-    /// The same radiation with pressures at receivers, as [`SurfacePressures::at`] gives them; none if they belong to
-    /// another solution.
+    /// Adds pressures at receivers, as given by [`SurfacePressures::at`]; none if they belong to a different solution.
     pub fn with_pressures(&self, pressures: Arc<ModalPressures>) -> Option<Self> {
         (pressures.solution() == self.solution).then(|| Self {
             pressures,
@@ -318,14 +317,14 @@ impl ModalBem {
         self.pressures.receivers()
     }
 
-    /// Interpolation error of the pressures at the receivers over frequency, relative to the loudest mode at any of
-    /// them.
+    /// Error of interpolating the pressures at the receivers over frequency, relative to the loudest mode at any
+    /// receiver.
     pub fn pressure_error(&self) -> f64 {
         self.pressures.error()
     }
 
-    /// The same radiation for other modes on the same surface, which `fit` states as combinations of these; none
-    /// where it does not belong to these modes.
+    /// The radiation of other modes on the same surface, which `fit` represents as combinations of these; none if the
+    /// fit is for different modes.
     pub fn of_modes(&self, fit: &SurfaceFit) -> Option<Self> {
         let combinations = fit.combinations_of(&self.combinations)?;
         Some(Self {
@@ -336,7 +335,7 @@ impl ModalBem {
         })
     }
 
-    /// Energy spectrum of the motion not covered by the known modes, if it radiated with efficiency 1; none where the
+    /// Energy spectrum of the motion not represented by the known modes, assuming radiation efficiency 1; none if the
     /// radiation was solved for these modes.
     pub(crate) fn rest_energy(&self, spectra: &ModalSpectra) -> Option<Vec<f64>> {
         let fit = self.fit.as_ref()?;
@@ -345,12 +344,12 @@ impl ModalBem {
         Some(energy.into_iter().map(|energy| factor * energy).collect())
     }
 
-    /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], for transforms of the modal
+    /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], given transforms of the modal
     /// accelerations, modes x bins \[m/s\]. It is zero above the range of single frequencies, the end of
     /// [`ModalBem::solved_hz`].
     ///
     /// # Errors
-    /// A number of modes that differs from the body's.
+    /// If the number of modes differs from the body's.
     pub fn pressures(
         &self,
         frequency: &[f64],
@@ -365,8 +364,8 @@ impl ModalBem {
         Ok(of_parities.into_iter().fold(nothing, |sum, part| sum + part) * Complex::from(self.air.density))
     }
 
-    /// Converts the radiation computed in the air `computed` to `air`. The conversion is exact, because only the
-    /// wavelength and rho c enter. Frequencies given as input, for example the upper end of the range, scale with the
+    /// Converts radiation computed for the air `computed` to `air`. The conversion is exact, because only the
+    /// wavelength and rho c matter. Frequencies given as input, for example the upper end of the range, scale with the
     /// speed of sound.
     #[must_use]
     pub fn in_air(&self, computed: &Air, air: &Air) -> Self {
@@ -379,8 +378,7 @@ impl ModalBem {
         }
     }
 
-    /// A column of the mass of air that moves along, relative to modal masses of 1, X(omega)/omega at the frequency
-    /// `hz`.
+    /// A column of the added mass of the air, X(omega)/omega at the frequency `hz`, for modal masses of 1.
     pub fn added_mass(&self, column: usize, hz: f64) -> DVector<f64> {
         let hz = self.air.computed(hz);
         let mut mass = DMatrix::zeros(self.modes, 1);
@@ -395,7 +393,8 @@ impl ModalBem {
         mass.column(0).map(|m: Complex<f64>| self.air.density * m.re)
     }
 
-    /// The same radiation with all patches of the surface as one: its energies cost a fraction of those of each patch.
+    /// Combines all patches of the surface into one, whose energies are much cheaper to compute than those of each
+    /// patch.
     #[must_use]
     pub(crate) fn undivided(&self) -> Self {
         let surface = self.patches.len() - 1;
@@ -414,7 +413,7 @@ impl ModalBem {
         ModalErp(self)
     }
 
-    /// Transition from averaged boundary elements to the high-frequency limit: beginning and end \[Hz\].
+    /// Transition from averaged boundary elements to the high-frequency limit: start and end \[Hz\].
     pub fn transition_hz(&self) -> [f64; 2] {
         let computed = self
             .parities
@@ -423,13 +422,13 @@ impl ModalBem {
         computed.map(|hz| hz * self.air.speed)
     }
 
-    /// Transition from single frequencies to averages: beginning and end \[Hz\]. Phases are available up to its end.
+    /// Transition from single frequencies to averages: start and end \[Hz\]. Phases are available up to its end.
     pub fn solved_hz(&self) -> [f64; 2] {
         let computed = self.parities.first().map_or([0.0; 2], CompositeRadiation::solved_hz);
         computed.map(|hz| hz * self.air.speed)
     }
 
-    /// Common range of boundary elements and the limit, for comparison \[Hz\].
+    /// Frequency range covered by both boundary elements and the limit, for comparison \[Hz\].
     pub fn compared_hz(&self) -> [f64; 2] {
         let from = self.parities.first().map_or(0.0, CompositeRadiation::limit_from_hz);
         [
@@ -438,8 +437,8 @@ impl ModalBem {
         ]
     }
 
-    /// The limit only, in the units of [`ModalRadiation::energy_forms`], all patches together, at frequencies within
-    /// [`ModalBem::compared_hz`].
+    /// Energy of the limit alone, in the units of [`ModalRadiation::energy_forms`], summed over all patches, at
+    /// frequencies within [`ModalBem::compared_hz`].
     pub fn limit_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let hz = self.air.all_computed(frequency);
         let of_parities = self.over_parities(accelerations, |_, radiation, a| radiation.limit_alone(&hz, &a));
@@ -469,7 +468,7 @@ impl ModalBem {
         parities.enumerate().map(of_parity).collect()
     }
 
-    /// The energy forms of all parities together, patches x frequencies.
+    /// The energy forms summed over all parities, patches x frequencies.
     fn forms(
         &self,
         frequency: &[f64],
@@ -559,7 +558,7 @@ impl Impedance for ModalBem {
         self.modes
     }
 
-    /// The end of [`ModalBem::solved_hz`]: only averages of R exist above.
+    /// The end of [`ModalBem::solved_hz`], above which only averages of R exist.
     fn top_hz(&self) -> f64 {
         self.solved_hz()[1]
     }

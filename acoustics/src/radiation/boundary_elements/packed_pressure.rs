@@ -1,4 +1,4 @@
-//! Pressures on a surface, packed.
+//! Surface pressures in compact form.
 
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 /// Adding 1.5 x 2^52 rounds to the nearest integer, which is then in the lowest bits.
 const NEAREST: f64 = 6_755_399_441_055_744.0;
 
-/// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number, because hundreds of frequencies are
-/// stored in memory and in files. The rounding, 1.5e-5 of the mode's largest part, is comparable with the error of the
-/// equations.
+/// The pressure of one parity on a surface, unknowns x modes, with 16 bits per number, because hundreds of frequencies
+/// are stored in memory and in files. The rounding error, 1.5e-5 of the mode's largest value, is comparable to the
+/// error of the equations.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PackedPressure {
     unknowns: usize,
-    /// Largest part of each mode, over [`i16::MAX`].
+    /// Largest value of each mode, divided by [`i16::MAX`].
     scales: Vec<f32>,
-    /// Real and imaginary parts, interleaved, over the scale of the mode.
+    /// Interleaved real and imaginary parts, divided by the scale of the mode.
     #[serde(with = "crate::blocks")]
     parts: Vec<i16>,
 }
@@ -46,9 +46,9 @@ impl PackedPressure {
     }
 }
 
-/// The scale of a mode, and its parts over the scale.
+/// Returns the scale of a mode, and writes its values divided by the scale.
 fn pack(mode: &[Complex<f64>], packed: &mut [i16]) -> f32 {
-    // Comparisons instead of `f64::max`, which handles NaN and is not a single instruction.
+    // Comparisons are used instead of `f64::max`, which handles NaN and therefore needs several instructions.
     let larger = |a: f64, b: f64| if b > a { b } else { a };
     let [re, im] = mode.iter().fold([0.0f64; 2], |[re, im], p| {
         [larger(re, p.re.abs()), larger(im, p.im.abs())]

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Solution at one frequency: R of every patch, added mass and pressure on the surface of every parity. They are
-/// packed, because hundreds of solutions are in memory at the same time.
+/// Solution at one frequency: R of each patch, added mass and surface pressure for each parity. Stored in compact form,
+/// because hundreds of solutions are in memory at the same time.
 pub(crate) struct Solved {
     resistances: Vec<PackedHermitian>,
     masses: Vec<PackedMass>,
@@ -22,31 +22,31 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
-    /// R of every parity and patch.
+    /// R for each parity and patch.
     pub(crate) fn resistances(&self) -> Vec<Vec<Resistance>> {
         self.resistances.iter().map(PackedHermitian::unpack).collect()
     }
 }
 
-/// Centre of an averaging band \[Hz\], and the mean R of every parity and patch over it.
+/// Centre of an averaging band \[Hz\], and the mean R of each parity and patch over it.
 pub(crate) type Mean = (f64, Vec<Vec<Resistance>>);
 
 /// Solutions on one mesh range, shared by its parities: the kernels are evaluated once per frequency.
 pub(crate) struct RangeSolver<'a> {
     problem: Exterior,
     data: Vec<NeumannData>,
-    /// Whether solutions contain the pressure on the surface.
+    /// Whether solutions include the surface pressure.
     keeps_pressures: bool,
     /// Equations at several frequencies, if many are solved.
     sweep: Option<Mutex<EquationSweep>>,
-    /// Called after every frequency solved.
+    /// Called after each frequency solved.
     progress: &'a (dyn Fn() + Sync),
     solved: Mutex<HashMap<u64, Arc<Solved>>>,
     worst: Mutex<(f64, f64)>,
 }
 
 impl<'a> RangeSolver<'a> {
-    /// For frequencies up to the top of the range, or to `highest_hz` beyond it.
+    /// Creates a solver for frequencies up to the upper end of the range, or to `highest_hz` beyond it.
     pub(crate) fn new(
         level: MeshRange,
         highest_hz: f64,
@@ -73,22 +73,22 @@ impl<'a> RangeSolver<'a> {
         })
     }
 
-    /// Stores the integrals of close panels for all frequencies up to `highest_hz`, which pays off if many are solved.
+    /// Caches the integrals of close panels for all frequencies up to `highest_hz`, which pays off if many are solved.
     #[must_use]
     pub(crate) fn with_near_field_cache(self, highest_hz: f64) -> Self {
         let problem = self.problem.with_near_field_cache(highest_hz);
         Self { problem, ..self }
     }
 
-    /// Stores the equations of some frequencies and interpolates those of others. This pays off if a range is sampled
-    /// with this mesh. A compressed matrix is not interpolated.
+    /// Caches the equations at some frequencies and interpolates those at others. This pays off if this mesh is used to
+    /// sample a range. A compressed matrix is not interpolated.
     #[must_use]
     pub(crate) fn with_interpolated_equations(self) -> Self {
         let sweep = (!self.problem.is_compressed()).then(|| Mutex::new(EquationSweep::new(&self.problem)));
         Self { sweep, ..self }
     }
 
-    /// Stores the pressure on the surface at all solved frequencies, for [`Self::pressures`].
+    /// Stores the surface pressure at all solved frequencies, for [`Self::pressures`].
     #[must_use]
     pub(crate) fn keeping_pressures(self) -> Self {
         Self {
@@ -97,7 +97,7 @@ impl<'a> RangeSolver<'a> {
         }
     }
 
-    /// Stores no more pressures.
+    /// Stops storing pressures.
     #[must_use]
     pub(crate) fn without_pressures(self) -> Self {
         Self {
@@ -135,7 +135,7 @@ impl<'a> RangeSolver<'a> {
         hz.iter().map(|&hz| self.at(hz)).collect()
     }
 
-    /// Solves at new frequencies: equations are assembled at some of them, then interpolated at the others.
+    /// Solves at new frequencies: equations are assembled at some of them and interpolated at the others.
     fn sweep_over(&self, sweep: &mut EquationSweep, hz: &[f64]) -> Result<(), AcousticsError> {
         for &hz in hz {
             self.problem.check_resolution(hz)?;
@@ -160,7 +160,7 @@ impl<'a> RangeSolver<'a> {
                 .flatten()
                 .for_each(|(number, values)| sweep.keep(number, values)),
             Err(error) => {
-                // Numbers without equations must not be left.
+                // After an error, reserved entries without equations must not remain.
                 *sweep = EquationSweep::new(&self.problem);
                 return Err(error);
             }
@@ -178,7 +178,7 @@ impl<'a> RangeSolver<'a> {
         solved.get(&hz.to_bits()).cloned()
     }
 
-    /// Both evaluations of the resistance by the pressures of one frequency.
+    /// Evaluates the resistance in both ways from the pressures at one frequency.
     fn evaluated(
         &self,
         hz: f64,
@@ -209,7 +209,7 @@ impl<'a> RangeSolver<'a> {
         Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
     }
 
-    /// Mean resistance of every parity and patch over several bands.
+    /// Mean resistance of each parity and patch over several bands.
     pub(crate) fn means(&self, bands: &[MeanBand]) -> Result<Vec<Mean>, AcousticsError> {
         let all: Vec<f64> = bands.iter().flat_map(|band| &band.samples_hz).copied().collect();
         self.at_all(&all)?;
@@ -233,8 +233,8 @@ impl<'a> RangeSolver<'a> {
         bands.iter().map(of_band).collect()
     }
 
-    /// Mean resistances by a coarser mesh that resolves the same frequencies, corrected by the difference to this one
-    /// at the centre of each band.
+    /// Mean resistances from a coarser mesh that resolves the same frequencies, corrected by the difference from this
+    /// mesh at the centre of each band.
     pub(crate) fn means_beside(&self, coarser: &Self, bands: &[MeanBand]) -> Result<Vec<Mean>, AcousticsError> {
         let mut means = coarser.means(bands)?;
         let centre = |band: &MeanBand| MeanBand {
@@ -261,7 +261,7 @@ impl<'a> RangeSolver<'a> {
         }
     }
 
-    /// The pressure on the surface in every parity at one frequency, where [`Self::keeping_pressures`] asked for it.
+    /// The surface pressure in each parity at one frequency, if stored by [`Self::keeping_pressures`].
     pub(crate) fn pressures(&self, hz: f64) -> Result<Arc<Vec<PackedPressure>>, AcousticsError> {
         Ok(Arc::clone(&self.at(hz)?.pressures))
     }
@@ -280,8 +280,8 @@ impl<'a> RangeSolver<'a> {
     }
 }
 
-/// Treats an even number of frequencies in parallel, each by one thread, because all take equally long; two threads
-/// share the last of an odd number. The error is that of the first frequency that has one.
+/// Processes an even number of frequencies in parallel, one thread each, because all take equally long; if the number
+/// is odd, two threads share the last one. The error returned is that of the first frequency that fails.
 fn solve_each<T: Sync, R: Send>(
     frequencies: &[T],
     one: impl Fn(&T, Threads) -> Result<R, AcousticsError> + Sync,

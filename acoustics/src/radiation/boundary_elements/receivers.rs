@@ -23,12 +23,12 @@ impl Receivers {
     /// Checks that the pressure at the points can be computed.
     ///
     /// # Errors
-    /// Points below the floor or too close to the surface, as for [`Exterior::pressure_at`].
+    /// If points are below the floor or too close to the surface, as in [`Exterior::pressure_at`].
     pub fn check(&self, problem: &Exterior) -> Result<(), ReceiverError> {
         problem.check_points(&self.points)
     }
 
-    /// Distances to the origin, and to its image in the floor \[m\].
+    /// Distances from the origin, and from its image in the floor \[m\].
     fn distances(&self, floor: Option<f64>) -> [Vec<f64>; 2] {
         let image = |z: f64| Point3::new(self.origin.x, self.origin.y, 2.0 * z - self.origin.z);
         let origins = [self.origin, floor.map_or(self.origin, image)];
@@ -36,11 +36,11 @@ impl Receivers {
     }
 }
 
-/// Pressure at receivers per unit acceleration of every pattern, without the travel times: receivers x patterns, direct
-/// sound in the first rows and floor reflection in the rows below.
+/// Pressure at receivers per unit acceleration of each pattern, with travel times removed: receivers x patterns, with
+/// direct sound in the first rows and floor reflection in the rows below.
 pub(crate) type ReceiverPressures = DMatrix<Complex<f64>>;
 
-/// The pressure at receivers without the travel times, for every parity of one frequency.
+/// The pressure at receivers with travel times removed, for each parity at one frequency.
 pub(crate) fn receiver_pressures(
     problem: &Exterior,
     receivers: &Receivers,
@@ -70,7 +70,7 @@ pub(crate) fn receiver_pressures(
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct ParityPressures(#[serde(with = "crate::blocks")] pub(crate) Vec<Vec<ReceiverPressures>>);
 
-/// Receiver pressures of the modes of a body, per unit of each mode's motion.
+/// Receiver pressures of a body's modes, per unit of each mode's motion.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct ModalPressures {
     receivers: usize,
@@ -82,7 +82,7 @@ pub struct ModalPressures {
 }
 
 impl ModalPressures {
-    /// At no receivers.
+    /// No receivers.
     pub(crate) fn none(solution: SolutionId) -> Self {
         Self {
             solution,
@@ -90,7 +90,7 @@ impl ModalPressures {
         }
     }
 
-    /// Without any range; `parities` is their number.
+    /// Creates an empty set, without any range; `parities` is the number of parities.
     pub(crate) fn new(receivers: &Receivers, problem: &Exterior, parities: usize, solution: SolutionId) -> Self {
         Self {
             receivers: receivers.points.len(),
@@ -102,12 +102,12 @@ impl ModalPressures {
         }
     }
 
-    /// Which solution they are of.
+    /// The solution they belong to.
     pub(crate) fn solution(&self) -> SolutionId {
         self.solution
     }
 
-    /// Adds the next range of a parity with the samples of its radiation matrix.
+    /// Adds the next range of a parity, with the samples of its radiation matrix.
     pub(crate) fn push(&mut self, parity: usize, grid: &Grid, samples: Vec<ReceiverPressures>) {
         self.error = self.error.max(grid.error_of_fields(&samples));
         self.parities[parity].0.push(samples);

@@ -9,7 +9,7 @@ use faer::Mat;
 use nalgebra::{DMatrix, Point3};
 use std::f64::consts::TAU;
 
-/// Radiation resistance at one frequency, evaluated twice.
+/// Radiation resistance at one frequency, evaluated in two ways.
 #[derive(Clone, Debug)]
 pub struct TwoEvaluations {
     /// Frequency \[Hz\].
@@ -18,12 +18,13 @@ pub struct TwoEvaluations {
     pub far_field: DMatrix<f64>,
     /// From the intensity on the surface, by patch; symmetric part.
     pub patches: Vec<DMatrix<f64>>,
-    /// Added mass X / omega of the whole surface \[kg for velocities in m/s\]; symmetric part.
+    /// Added mass X / omega of the complete surface \[kg for velocities in m/s\]; symmetric part.
     pub added_mass: DMatrix<f64>,
-    /// Largest |R_ij - R_ji| of the surface's evaluation, relative to the largest entry of R. Reciprocity makes it
-    /// zero; the discretisation does not.
+    /// Largest |R_ij - R_ji| of the surface evaluation, relative to the largest entry of R. It would be zero by
+    /// reciprocity, but the discretisation violates it.
     pub asymmetry: f64,
-    /// Largest difference of a pattern's power between the two \[dB\], among patterns within 30 dB of the loudest.
+    /// Largest difference between the powers of a pattern from the two evaluations \[dB\], among patterns within 30 dB
+    /// of the loudest.
     pub difference_db: f64,
 }
 
@@ -39,8 +40,8 @@ impl TwoEvaluations {
             .fold(0.0, f64::max)
     }
 
-    /// R of every patch from the surface, and as the last entry the difference between the far field and their sum; all
-    /// add up to the R of the far field.
+    /// R of each patch from the surface, followed by the difference between the far field and their sum; the total is
+    /// the R of the far field.
     pub fn split(&self) -> Vec<Resistance> {
         let mut rest = self.far_field.clone();
         self.patches.iter().for_each(|p| rest -= p);
@@ -61,32 +62,32 @@ pub struct Estimate {
     pub panels: usize,
     /// Whether the matrix is compressed.
     pub compressed: bool,
-    /// Memory of one frequency and a hundred patterns \[bytes\], times the number of threads.
+    /// Memory for one frequency and a hundred patterns \[bytes\]; multiply by the number of threads.
     pub bytes: f64,
-    /// Memory that every further pattern adds to it \[bytes\].
+    /// Memory for each further pattern \[bytes\].
     pub bytes_per_pattern: f64,
     /// Memory shared by all frequencies, with [`Exterior::with_near_field_cache`] \[bytes\].
     pub bytes_shared: f64,
-    /// Time of one frequency and a single pattern on one core \[s\], with the same cache.
+    /// Time for one frequency and one pattern on one core \[s\], with the same cache.
     pub seconds: f64,
-    /// Time that every further pattern of the whole body adds to it \[s\].
+    /// Time for each further pattern of the complete body \[s\].
     pub seconds_per_pattern: f64,
     /// Time on one core for the integrals shared by all frequencies \[s\].
     pub seconds_shared: f64,
-    /// Highest frequency the mesh resolves \[Hz\].
+    /// Highest frequency resolved by the mesh \[Hz\].
     pub highest_hz: f64,
-    /// Lowest frequency at which a method without the coupled derivative equation can fail \[Hz\], see
+    /// Lowest frequency at which a method without the coupled derivative equation may fail \[Hz\], see
     /// [`Exterior::lowest_resonance`].
     pub irregular_hz: f64,
 }
 
 impl Estimate {
-    /// Time of one frequency on one core with so many patterns in every parity \[s\].
+    /// Time for one frequency on one core with this many patterns in every parity \[s\].
     pub fn seconds_with(&self, patterns: usize) -> f64 {
         self.seconds + self.seconds_per_pattern * patterns as f64
     }
 
-    /// Memory of one frequency with so many patterns in every parity \[bytes\].
+    /// Memory for one frequency with this many patterns in every parity \[bytes\].
     pub fn bytes_with(&self, patterns: usize) -> f64 {
         self.bytes + self.bytes_per_pattern * (patterns as f64 - PATTERNS)
     }
@@ -112,8 +113,8 @@ impl std::fmt::Display for Estimate {
 }
 
 impl Exterior {
-    /// Radiation resistance for `velocities` (corner values x patterns) at `hz`, from the surface and from the far
-    /// field.
+    /// Radiation resistance for `velocities` (corner values x patterns) at `hz`, evaluated on the surface and in the
+    /// far field.
     ///
     /// # Errors
     /// See [`Exterior::solve`].
@@ -131,7 +132,7 @@ impl Exterior {
         self.two_evaluations(&data, &solutions, Threads::One)
     }
 
-    /// Both evaluations of solutions of one frequency, parity by parity.
+    /// Both evaluations for solutions at one frequency, by parity.
     pub(crate) fn two_evaluations(
         &self,
         data: &[NeumannData],
@@ -172,8 +173,8 @@ impl Exterior {
         Ok(two)
     }
 
-    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX-512; with AVX2
-    /// they are up to twice as long. A shape of close pairs takes 7 us, or 1 us once it is cached, which takes 110 us.
+    /// Estimates memory, time and limits in advance. Times are those of one core at about 3 GHz with AVX-512; with AVX2
+    /// they are up to twice as long. A shape of close pairs takes 7 us, or 1 us once cached; caching takes 110 us.
     pub fn estimate(&self) -> Estimate {
         let cost = self.frequency_cost();
         let boundary = self.boundary();
@@ -211,8 +212,8 @@ impl Exterior {
         size.cost(self.equation_solver())
     }
 
-    /// The surface with its modes at quadrature points, for operators that need no solution of equations. With mirror
-    /// planes the weight of every point includes its images.
+    /// The surface with its modes at quadrature points, for operators that do not solve equations. With mirror planes,
+    /// the weight of each point includes its images.
     pub(crate) fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, RadiationError> {
         let mesh = self.boundary().mesh();
         let (mut points, mut normals, mut weights, mut patch) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

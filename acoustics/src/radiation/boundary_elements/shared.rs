@@ -1,4 +1,4 @@
-//! A shared value as serde writes it: as the value itself.
+//! Serialises a shared value as the value itself.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::Arc;

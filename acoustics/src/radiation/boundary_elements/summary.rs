@@ -3,15 +3,15 @@ use serde::{Deserialize, Serialize};
 /// Summary of the sampling of a radiation matrix.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Frequencies solved on the mesh of their range.
+    /// Number of frequencies solved on the mesh of their range.
     pub samples: usize,
-    /// Largest interpolation error over frequency, root mean square of the entries R_ij relative to sqrt(R_ii R_jj).
+    /// Largest interpolation error over frequency: root mean square over the entries R_ij relative to sqrt(R_ii R_jj).
     pub interpolation: f64,
-    /// Largest difference between the power by surface and by far field of a mode within 30 dB of the loudest \[dB\].
+    /// Largest difference between the powers from surface and far field, for modes within 30 dB of the loudest \[dB\].
     pub difference_db: f64,
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
-    /// Bound of the error of the level by panels at the rims of thin gaps, see [`Gap`](crate::bem::Gap) \[dB\]; zero
+    /// Bound on the level error due to panels at the rims of thin gaps, see [`Gap`](crate::bem::Gap) \[dB\]; zero
     /// without gaps.
     pub gap_error_db: f64,
 }

@@ -1,13 +1,13 @@
 //! Modes of one body as combinations of the modes of another with the same outer surface.
 //!
-//! Radiation depends only on the normal velocity of the outer surface. B is the velocities of modes whose radiation
-//! matrix R is known, and V those of the modes of interest. In every parity
+//! Radiation depends only on the normal velocity of the outer surface. Let B be the velocities of modes whose radiation
+//! matrix R is known, and V those of the modes of interest. For each parity In every parity
 //!
 //! ```text
 //! V = B T + rest,   T = (B^T W B + ridge)^-1 B^T W V      =>      R' = T^T R T
 //! ```
 //!
-//! where W contains the areas of the panels. The rest is stated; it is orthogonal to the span of B.
+//! where W contains the areas of the panels. The rest is reported; it is orthogonal to the span of B.
 
 use super::combination::Combination;
 use super::independent::{gram, independent, weighted, weights};
@@ -20,9 +20,9 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// Ridge of the normal equations, relative to the square of each known mode's own velocity: it limits the amplitudes of
-/// nearly dependent modes, which would cancel in R, to some hundreds. Its contribution to the rest is stated with the
-/// rest.
+/// Ridge parameter of the normal equations, relative to the squared velocity of each known mode. It limits the
+/// amplitudes of nearly dependent modes, which would cancel in R, to a few hundred. Its contribution to the rest is
+/// included in the reported rest.
 const RIDGE: f64 = 1e-8;
 
 /// Relative amplitude below which a mode's component of a parity counts as zero.
@@ -31,9 +31,9 @@ const ABSENT: f64 = 1e-6;
 /// Modes of a body as combinations of modes on the same surface whose radiation is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceFit {
-    /// Numbers of the independent known modes of each parity, and T.
+    /// Indices of the independent known modes of each parity, and T.
     parities: Vec<(Vec<usize>, Combination)>,
-    /// V^T W V of all parities together, and the same of the rest, with the loss between different meshes.
+    /// V^T W V summed over all parities, and the same for the rest, which includes the loss between different meshes.
     #[serde(with = "crate::blocks")]
     whole: DMatrix<f64>,
     #[serde(with = "crate::blocks")]
@@ -43,9 +43,9 @@ pub struct SurfaceFit {
 }
 
 impl SurfaceFit {
-    /// Fits the modes of `body` by those of `known`, both on the finest mesh; none if the surfaces differ. If only
-    /// their meshes of triangles differ, the velocities of `body` are interpolated on the mesh of `known`
-    /// ([`Boundary::interpolate_from`]), and what changes on the way there and back counts as part of the rest.
+    /// Fits the modes of `body` with those of `known`, both on the finest mesh; none if the surfaces differ. If only
+    /// their triangle meshes differ, the velocities of `body` are interpolated on the mesh of `known`
+    /// ([`Boundary::interpolate_from`]), and any change due to interpolating there and back counts as part of the rest.
     pub fn new(known: &MeshRange, body: &MeshRange) -> Option<Self> {
         let boundary = known.problem.boundary();
         if known.patterns.len() != body.patterns.len() {
@@ -101,8 +101,8 @@ impl SurfaceFit {
         self.whole.nrows()
     }
 
-    /// Velocity of each mode that no combination covers over the velocity of the mode, root mean squares over the
-    /// surface \[-\]; 0 for a mode that does not move the surface.
+    /// For each mode, the velocity that no combination represents relative to the velocity of the mode, as root mean
+    /// squares over the surface \[-\]; 0 for a mode that does not move the surface.
     pub fn residuals(&self) -> Vec<f64> {
         let ratio = |(rest, whole): (&f64, &f64)| {
             if *whole > 0.0 {
@@ -119,8 +119,8 @@ impl SurfaceFit {
             .collect()
     }
 
-    /// Integral over the surface of the squared velocity of motions, and of the part that no combination covers, summed
-    /// over the columns of `amplitudes`: those of the modes from number `first` on.
+    /// Integrals over the surface of the squared velocity, in total and for the part that no combination represents,
+    /// summed over the columns of `amplitudes`, which are for the modes from `first` onwards.
     pub fn squares(&self, first: usize, amplitudes: &DMatrix<Complex<f64>>) -> [f64; 2] {
         let n = amplitudes.nrows();
         [&self.whole, &self.rest].map(|gram| {
@@ -130,8 +130,8 @@ impl SurfaceFit {
         })
     }
 
-    /// Energy spectrum of the motion that no combination covers with radiation efficiency 1, 2 rho c a^H rest a /
-    /// omega^2, for transforms of the modal accelerations at frequencies \[Hz\].
+    /// Energy spectrum of the motion that no combination represents, assuming radiation efficiency 1: 2 rho c a^H rest
+    /// a / omega^2, for transforms of the modal accelerations at frequencies \[Hz\].
     pub(crate) fn rest_energy(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let moved = real_product(&self.rest, accelerations);
         let columns = moved.column_iter().zip(accelerations.column_iter());
@@ -147,7 +147,7 @@ impl SurfaceFit {
         forms.zip(frequency).map(energy).collect()
     }
 
-    /// The combinations in the order of those of known modes; none where those are of other modes.
+    /// The combinations in the order of those of the known modes; none if those are for different modes.
     pub(crate) fn combinations_of(&self, known: &[Combination]) -> Option<Vec<Combination>> {
         let own: Vec<_> = self.parities.iter().filter(|(modes, _)| !modes.is_empty()).collect();
         let same = own.len() == known.len()
@@ -159,10 +159,10 @@ impl SurfaceFit {
     }
 }
 
-/// Velocities of a body on the mesh of the known modes.
+/// Velocities of a body transferred to the mesh of the known modes.
 struct Carried<'a> {
     velocities: Cow<'a, DMatrix<f64>>,
-    /// Gram matrix of the change on the way to that mesh and back, weighted with areas; none on the same mesh.
+    /// Gram matrix, weighted with areas, of the change due to transfer to that mesh and back; none on the same mesh.
     lost: Option<DMatrix<f64>>,
 }
 
@@ -191,7 +191,7 @@ fn column_squares(values: &DMatrix<f64>, weights: &[f64]) -> Vec<f64> {
     values.column_iter().map(square).collect()
 }
 
-/// T of the normal equations with their ridge, every known mode scaled to unit velocity.
+/// T from the normal equations with their ridge, with every known mode scaled to unit velocity.
 fn solved(normal: &DMatrix<f64>, right: DMatrix<f64>) -> DMatrix<f64> {
     let scale: Vec<f64> = normal
         .diagonal()
@@ -214,7 +214,7 @@ fn solved(normal: &DMatrix<f64>, right: DMatrix<f64>) -> DMatrix<f64> {
     if let Some(cholesky) = scaled.cholesky() {
         cholesky.solve_mut(&mut t);
     } else {
-        // Not with a ridge above the rounding of the products; zero amplitudes leave all in the rest.
+        // Impossible with a ridge above the rounding of the products; zero amplitudes leave everything in the rest.
         t.fill(0.0);
     }
     scale_rows(&mut t);
@@ -233,7 +233,7 @@ mod tests {
     /// Highest frequency of the tests \[Hz\].
     const TOP_HZ: f64 = 300.0;
 
-    /// A quarter of a box in free space, 0.4 x 0.3 x 0.2 m. Its panels move by each of these functions.
+    /// A quarter of a box in free space, 0.4 x 0.3 x 0.2 m. Its panels move with each of these functions.
     fn moving(shapes: &[&dyn Fn([f64; 3]) -> f64]) -> MeshRange {
         let whole = [SolidBox {
             low: [-0.2, -0.15, 0.0],
@@ -278,7 +278,7 @@ mod tests {
     fn what_no_combination_holds_is_the_residual() {
         let (known, odd) = (moving(&[ONE]), moving(&[HEIGHT]));
         let fit = SurfaceFit::new(&known, &odd).unwrap();
-        // z less its mean over the surface.
+        // z minus its mean over the surface.
         let areas = weights(known.problem.boundary());
         let z = odd.patterns[0].velocities.column(0);
         let whole: f64 = areas.iter().sum();
@@ -291,7 +291,7 @@ mod tests {
             fit.residuals()
         );
         assert!(exact > 0.1);
-        // Four quarters move with the squares of the amplitudes.
+        // Four quarters move, with the squares of the amplitudes.
         let [of_whole, of_rest] = fit.squares(0, &DMatrix::from_element(1, 1, Complex::new(0.0, 3.0)));
         assert!((of_whole / (36.0 * square(0.0)) - 1.0).abs() < 1e-9);
         assert!((of_rest / (36.0 * square(mean)) - 1.0).abs() < 1e-6);
@@ -308,7 +308,7 @@ mod tests {
         assert!(SurfaceFit::new(&known, &other).is_none());
     }
 
-    /// R' = T^T R T against boundary elements with the combined motion itself.
+    /// R' = T^T R T, compared with boundary elements for the combined motion.
     #[test]
     fn combined_modes_radiate_as_boundary_elements_of_their_own() {
         let known = moving(&[ONE, HEIGHT, BENT]);

@@ -1,4 +1,4 @@
-//! Pressures on the surface of a body at all frequencies of its radiation matrix. They determine those at any
+//! Surface pressures of a body at all frequencies of its radiation matrix. They determine the pressures at any
 //! receivers.
 
 use super::mesh_range::MeshRange;
@@ -24,12 +24,12 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct SolvedFrequency {
     hz: f64,
-    /// Of every parity.
+    /// Pressures of each parity.
     #[serde(with = "shared")]
     parities: Arc<Vec<PackedPressure>>,
 }
 
-/// Normal velocities on a mesh: the independent modes of one parity.
+/// Normal velocities on a mesh for the independent modes of one parity.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Velocities {
     parity: Parity,
@@ -40,7 +40,7 @@ struct Velocities {
 /// Velocities and pressures on one mesh.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct SolvedMesh {
-    /// Of every parity.
+    /// Velocities of each parity.
     #[serde(with = "shared")]
     velocities: Arc<Vec<Velocities>>,
     pressures: Vec<SolvedFrequency>,
@@ -58,7 +58,7 @@ impl SolvedMesh {
         }
     }
 
-    /// Adds the pressures at frequencies that it does not contain yet.
+    /// Adds the pressures at frequencies that are not yet included.
     fn add(&mut self, frequencies: &[f64], solver: &RangeSolver<'_>) -> Result<(), AcousticsError> {
         for &hz in frequencies {
             if self.pressures.iter().all(|known| known.hz != hz) {
@@ -69,7 +69,7 @@ impl SolvedMesh {
         Ok(())
     }
 
-    /// Receiver pressures of every parity at all frequencies.
+    /// Receiver pressures of each parity at all frequencies.
     fn at(&self, receivers: &Receivers, problem: &Exterior) -> Result<Samples, AcousticsError> {
         let of_frequency = |SolvedFrequency { hz, parities }: &SolvedFrequency| {
             let solution = |(packed, velocities): (&PackedPressure, &Velocities)| SurfacePressure {
@@ -87,36 +87,36 @@ impl SolvedMesh {
     }
 }
 
-/// A range of frequencies: samples on one mesh, corrected by the difference of a finer one.
+/// A range of frequencies: samples on one mesh, corrected by the difference to a finer one.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct SolvedRange {
     /// The samples of the radiation matrix.
     grid: Grid,
-    /// Number of the mesh that is solved at all of them.
+    /// Index of the mesh that is solved at all of them.
     predictor: usize,
-    /// Number of the mesh of the range, and the samples at which it corrects the other.
+    /// Index of the mesh of the range, and the samples at which it corrects the other mesh.
     correction: Option<(usize, Grid)>,
 }
 
-/// Pressures on the surface of a body in the motion of each of its modes, at the samples of its radiation matrix
-/// ([`ModalBem::solve`](super::ModalBem::solve)). Those at receivers follow without another solution.
+/// Surface pressures of a body for the motion of each of its modes, at the samples of its radiation matrix
+/// ([`ModalBem::solve`](super::ModalBem::solve)). Pressures at receivers follow without another solution.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SurfacePressures {
     /// Meshes in the order of the ranges.
     meshes: Vec<SolvedMesh>,
-    /// Ranges of frequencies, rising.
+    /// Frequency ranges, ascending.
     ranges: Vec<SolvedRange>,
-    /// Which solution it is of.
+    /// The solution they belong to.
     solution: SolutionId,
 }
 
 impl SurfacePressures {
-    /// Which solution it is of.
+    /// The solution they belong to.
     pub(crate) fn solution(&self) -> SolutionId {
         self.solution
     }
 
-    /// Adds the next range: the solver of the mesh that predicts it, and that of the range's mesh.
+    /// Adds the next range, given the solver of the mesh that predicts it and that of the range's own mesh.
     pub(crate) fn add(
         &mut self,
         grid: &Grid,
@@ -144,12 +144,12 @@ impl SurfacePressures {
         Ok(())
     }
 
-    /// The pressures at receivers, by the surface integral of
-    /// [`Exterior::pressure_at`](crate::bem::Exterior::pressure_at) over the meshes `levels` of the solution. Their
-    /// patterns are not read.
+    /// The pressures at receivers, from the surface integral of
+    /// [`Exterior::pressure_at`](crate::bem::Exterior::pressure_at) over the meshes `levels` of the solution. The
+    /// patterns of the meshes are ignored.
     ///
     /// # Errors
-    /// Other meshes than those; receivers below the floor or too close to the surface.
+    /// If the meshes differ from those of the solution, or receivers are below the floor or too close to the surface.
     pub fn at(&self, receivers: &Receivers, levels: &[MeshRange]) -> Result<ModalPressures, AcousticsError> {
         let known = (levels.last(), self.meshes.last().map(|mesh| &mesh.velocities));
         let (Some(finest), Some(velocities), false) = (known.0, known.1, receivers.points.is_empty()) else {
@@ -183,5 +183,5 @@ impl SurfacePressures {
     }
 }
 
-/// Receiver pressures of every parity by frequency.
+/// Receiver pressures of each parity, by frequency.
 type Samples = HashMap<u64, Vec<ReceiverPressures>>;

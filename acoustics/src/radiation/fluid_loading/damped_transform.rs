@@ -1,4 +1,5 @@
-//! Fourier transforms of records times e^{-sigma t}: transforms at the complex frequencies s = sigma + j omega.
+//! Fourier transforms of records times e^{-sigma t}, that is, transforms at the complex frequencies s = sigma + j
+//! omega.
 
 use crate::checks::{InputError, positive};
 use crate::signals::fourier::{RealTransform, fast_length};
@@ -9,11 +10,11 @@ use std::f64::consts::{PI, TAU};
 /// Fraction of a motion that remains after one period of the transform \[-\].
 const WRAP_AROUND: f64 = 1e-5;
 
-/// Transforms of records of one length and their inverse, in a range of frequencies from zero.
+/// Transforms of records of one length, and the inverse, for frequencies from zero upwards.
 ///
-/// The period is at least twice the record. The response of a causal system to the record is therefore, within the
-/// record, that of the whole time axis: the part that the period wraps around is weakened by e^{-sigma L}. Rigid motion
-/// and offsets are included, because nothing is singular at s = sigma + j omega.
+/// The period is at least twice the record. Within the record, the response of a causal system is therefore that to the
+/// complete history, because the part that wraps around the period is attenuated by e^{-sigma L}. Rigid motion and
+/// offsets are included, because nothing is singular at s = sigma + j omega.
 #[derive(Clone)]
 pub struct DampedTransform {
     fft: RealTransform,
@@ -24,10 +25,10 @@ pub struct DampedTransform {
 }
 
 impl DampedTransform {
-    /// For records of so many samples at `step` \[s\], with the lines below `top_hz`.
+    /// Creates the transform for records of `samples` samples with the step `step` \[s\], and the lines below `top_hz`.
     ///
     /// # Errors
-    /// [`InputError`] for values that are not positive.
+    /// [`InputError`] if a value is not positive.
     pub fn new(samples: usize, step: f64, top_hz: f64) -> Result<Self, InputError> {
         positive("sampling interval [s]", step)?;
         positive("highest frequency [Hz]", top_hz)?;
@@ -69,10 +70,10 @@ impl DampedTransform {
     }
 
     /// Lines sum_n (x_n - x_0) e^{-s t_n} of the records in the columns of `motion` (samples x records), records x
-    /// lines: changes from the value that a record has at its first sample, and had before.
+    /// lines. They represent changes from a record's first value, which it is assumed to have had before.
     ///
-    /// After its end a record goes on as 2 x_N - x_{2N-n}, without a jump of value or slope, and fades to its first
-    /// value until the period ends. This has no effect on a causal system before the record's end.
+    /// After its end, a record is continued as 2 x_N - x_{2N-n}, without a jump in value or slope, and fades to its
+    /// first value by the end of the period. For a causal system, this has no effect before the end of the record.
     pub(crate) fn lines(&self, motion: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
         let columns: Vec<Vec<Complex<f64>>> = motion
             .as_slice()
@@ -86,7 +87,8 @@ impl DampedTransform {
         DMatrix::from_fn(motion.ncols(), self.bins, |record, bin| columns[record][bin])
     }
 
-    /// The record of lines, x_n = e^{sigma t_n}/N sum_k X_k e^{j omega_k t_n} over both signs of the frequency.
+    /// The record of some lines, x_n = e^{sigma t_n}/N sum_k X_k e^{j omega_k t_n}, summed over both signs of the
+    /// frequency.
     pub fn record(&self, lines: &[Complex<f64>]) -> Vec<f64> {
         let mut all = lines.to_vec();
         all.resize(self.length() / 2 + 1, Complex::default());

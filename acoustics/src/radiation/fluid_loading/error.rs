@@ -1,13 +1,13 @@
 use crate::checks::InputError;
 use thiserror::Error;
 
-/// Why modes cannot be loaded by a fluid.
+/// Why fluid loading of modes cannot be computed.
 #[derive(Debug, Error)]
 pub enum FluidLoadingError {
     /// An invalid argument.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The mass of structure and fluid is not positive definite.
+    /// The total mass of structure and fluid is not positive definite.
     #[error(
         "the mass of modes and fluid is not positive definite at {hz:.1} Hz; X / omega must be positive: refine the \
          boundary \
@@ -26,7 +26,7 @@ pub enum FluidLoadingError {
         /// Frequency \[Hz\].
         hz: f64,
     },
-    /// The iteration for the motion with the complete impedance does not converge.
+    /// The iteration for the motion with the full impedance does not converge.
     #[error(
         "the motion with the complete impedance does not converge at {hz:.1} Hz, residual {residual:.1e}: refine the \
          boundary \
@@ -38,7 +38,7 @@ pub enum FluidLoadingError {
         /// Residual relative to the right-hand side \[-\].
         residual: f64,
     },
-    /// A method gives no mass of the fluid.
+    /// The method does not provide the added mass of the fluid.
     #[error(
         "{method} gives radiation resistance alone, no mass of air that moves along; let radiation act as damping, or \
          compute \

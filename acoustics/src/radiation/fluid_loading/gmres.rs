@@ -1,20 +1,21 @@
-//! Many small complex systems at once by GMRES (Saad & Schultz 1986), with one product for the columns of all.
+//! Solves many small complex systems at once by GMRES (Saad & Schultz 1986), with one operator product for the vectors
+//! of all systems.
 
 use nalgebra::{Complex, DMatrix};
 
-/// Solutions, and how they were found.
+/// Solutions, with convergence data.
 pub(super) struct Solved {
-    /// Systems in the columns.
+    /// One system per column.
     pub(super) solutions: DMatrix<Complex<f64>>,
-    /// Largest number of products of a system.
+    /// Largest number of products needed by any system.
     pub(super) products: usize,
-    /// First system that did not converge, and its residual over the norm of its right-hand side.
+    /// First system that did not converge, and its relative residual.
     pub(super) failed: Option<(usize, f64)>,
 }
 
-/// The Krylov space of one system.
+/// The Krylov subspace of one system.
 struct Space {
-    /// Number of the system.
+    /// Index of the system.
     column: usize,
     /// Upper triangle of the rotated Hessenberg matrix, column by column.
     triangle: Vec<Vec<Complex<f64>>>,
@@ -32,7 +33,7 @@ impl Space {
         self.side.last().map_or(0.0, |x| x.norm()) / self.norm
     }
 
-    /// Takes the product of the operator with the last vector.
+    /// Adds the product of the operator with the last vector.
     fn extend(&mut self, mut w: Vec<Complex<f64>>) {
         let mut h = Vec::with_capacity(self.basis.len() + 1);
         for v in &self.basis {
@@ -87,8 +88,8 @@ fn norm(x: &[Complex<f64>]) -> f64 {
     x.iter().map(Complex::norm_sqr).sum::<f64>().sqrt()
 }
 
-/// Solves A_k x_k = b_k for the columns of `sides`; `product` is given numbers of systems and a vector of each (a
-/// column each), and returns A_k times each.
+/// Solves A_k x_k = b_k for the columns of `sides`; `product` receives indices of systems and one vector for each (as
+/// columns), and returns A_k times each vector.
 pub(super) fn solve(
     sides: &DMatrix<Complex<f64>>,
     tolerance: f64,

@@ -1,11 +1,11 @@
 use nalgebra::{Complex, DMatrix};
 
-/// Radiation impedance Z = R + jX of modes with modal masses of 1, as an operator at many frequencies at once.
+/// Radiation impedance Z = R + jX of modes with unit modal mass, as an operator at many frequencies at once.
 pub trait Impedance: Sync {
     /// Number of modes.
     fn modes(&self) -> usize;
 
-    /// Highest frequency with known R and X \[Hz\].
+    /// Highest frequency at which R and X are known \[Hz\].
     fn top_hz(&self) -> f64;
 
     /// Z(f) v for the modal velocities v in each column (modes x frequencies), at positive frequencies \[Hz\].

@@ -1,4 +1,4 @@
-//! Correction of a linear motion from the frozen to the complete radiation impedance.
+//! Corrects a linear motion from the frozen to the full radiation impedance.
 
 use super::damped_transform::DampedTransform;
 use super::error::FluidLoadingError;
@@ -10,29 +10,29 @@ use nalgebra::{Complex, DMatrix, DVector, Dyn, LU};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Octaves below the highest frequency of the impedance over which it goes over to the frozen one.
+/// Width in octaves, below the highest frequency of the impedance, of the transition to the frozen impedance.
 const ROLL_OFF: f64 = 1.0 / 3.0;
 
-/// Residual of the equations at each frequency, relative to their right-hand side.
+/// Tolerance on the residual of the equations at each frequency, relative to the right-hand side.
 const TOLERANCE: f64 = 1e-9;
 
-/// Lines solved together, few enough to keep their Krylov spaces small.
+/// Number of lines solved together, which limits the size of their Krylov subspaces.
 const LINES: usize = 64;
 
-/// A structure on linear supports, in the coordinates u of its motion with a frozen impedance.
+/// A structure on linear supports, in the coordinates u of its motion with frozen impedance.
 ///
 /// ```text
 /// u'' + diag(2 zeta w) u' + diag(w²) u + P (k P^T u + c P^T u') = f
 /// ```
 ///
-/// Modes in vacuum follow from them by q = S u.
+/// Modes in vacuum are obtained as q = S u.
 #[derive(Debug, Clone)]
 pub struct FrozenModes {
     /// Angular frequencies w \[rad/s\].
     pub omega: Vec<f64>,
     /// 2 zeta w of structure and frozen radiation \[1/s\].
     pub damping: Vec<f64>,
-    /// Additional damping by the integration in time \[1/s\]: zero but for modes that its step does not follow.
+    /// Additional damping from the time integration \[1/s\]: zero except for modes that its step cannot resolve.
     pub numerical_damping: Vec<f64>,
     /// S, modes in vacuum x coordinates.
     pub coordinates: DMatrix<f64>,
@@ -48,22 +48,22 @@ pub struct FrozenModes {
     pub dashpots: Vec<f64>,
 }
 
-/// The difference that the complete impedance makes to a motion with the frozen one.
+/// The difference between the motion with the full impedance and that with the frozen one.
 pub struct ImpedanceCorrection {
     /// The transform of its lines.
     pub transform: DampedTransform,
     /// Lines of the added motion d, coordinates x lines.
     pub motion: DMatrix<Complex<f64>>,
-    /// Lines of the force D (u + d) that the complete impedance takes from the coordinates beyond the frozen one,
+    /// Lines of the force D (u + d) that the full impedance exerts on the coordinates beyond the frozen one,
     /// coordinates x lines.
     pub reaction: DMatrix<Complex<f64>>,
-    /// Largest number of products with the impedance at a frequency.
+    /// Largest number of products with the impedance at any frequency.
     pub products: usize,
     /// Largest residual of the equations of motion over all lines, relative to the largest force D u \[-\].
     pub residual: f64,
 }
 
-/// Finds the difference that the complete impedance makes to a motion u(t) with the frozen one.
+/// Computes the difference that the full impedance makes to a motion u(t) with the frozen one.
 ///
 /// At s = sigma + j omega, A is the dynamic stiffness of [`FrozenModes`].
 ///
@@ -71,20 +71,20 @@ pub struct ImpedanceCorrection {
 /// [A(s) + D(s)] d = -D(s) u        D = W [S^T (s Z - s² M) S + s (S^T C S - diag(2 zeta w))]
 /// ```
 ///
-/// This is exact for linear motion. The sum u + d satisfies the equation with Z as full matrix of every frequency, R
-/// and X, in place of the frozen one. Forces and start need not be known. Z/s is smooth and finite down to zero and is
-/// taken from the real axis.
+/// This is exact for linear motion. The sum u + d satisfies the equation with the full matrix Z at every frequency, R
+/// and X, instead of the frozen one. Forces and initial conditions need not be known. Z/s is smooth and finite down to
+/// zero, and is evaluated on the real axis:
 ///
 /// ```text
 /// Z(s)/s ~ (1-j)/2 G(omega + sigma) + (1+j)/2 G(omega - sigma)        G(omega) = Z(j omega)/(j omega)
 /// ```
 ///
-/// The error is sigma² G'', about (sigma a/c)² of it for a body of the size a. W falls from 1 to 0 over the uppermost
-/// third of an octave of known Z; above, the frozen impedance acts. `motion` gives the records of a range of
-/// coordinates, samples x coordinates, at intervals of `step` \[s\].
+/// The error is sigma² G'', a fraction of about (sigma a/c)² for a body of size a. W decreases from 1 to 0 over the
+/// uppermost third of an octave for which Z is known; above, the frozen impedance is used. `motion` contains the
+/// records of a range of coordinates, samples x coordinates, at intervals of `step` \[s\].
 ///
 /// # Errors
-/// Lengths that do not fit; those of `motion`; [`FluidLoadingError::Iteration`].
+/// If lengths are inconsistent; errors of `motion`; [`FluidLoadingError::Iteration`].
 pub fn impedance_correction<E: From<FluidLoadingError>>(
     modes: &FrozenModes,
     impedance: &dyn Impedance,
@@ -149,9 +149,9 @@ struct Operator<'a> {
     mass: DMatrix<f64>,
     damping: DMatrix<f64>,
     transposed: DMatrix<f64>,
-    /// Supports that act.
+    /// Supports in contact.
     acting: Vec<usize>,
-    /// P of those.
+    /// The columns of P for those.
     supports: DMatrix<f64>,
     roll_off: [f64; 2],
 }
@@ -231,7 +231,7 @@ impl<'a> Operator<'a> {
         })
     }
 
-    /// D v at lines, a column each.
+    /// D v for lines, one column each.
     fn reaction(&self, lines: &[usize], v: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let s: Vec<Complex<f64>> = lines.iter().map(|&line| self.transform.s(line)).collect();
         let times = |x: &DMatrix<Complex<f64>>, factor: &dyn Fn(usize) -> Complex<f64>| {
@@ -279,7 +279,7 @@ impl<'a> Operator<'a> {
         (0.5 * PI * beyond).cos().powi(2)
     }
 
-    /// A at a line, ready to be solved.
+    /// A for one line, prepared for solving.
     fn stiffness(&self, line: usize) -> Result<Stiffness, FluidLoadingError> {
         let s = self.transform.s(line);
         let modes = self.modes;
@@ -342,7 +342,7 @@ impl FrozenModes {
     }
 }
 
-/// A = A0 + P K P^T with A0 diagonal, by the formula of Woodbury.
+/// A = A0 + P K P^T with A0 diagonal, inverted by the Woodbury formula.
 struct Stiffness {
     /// A0.
     diagonal: Vec<Complex<f64>>,

@@ -1,4 +1,4 @@
-//! Fluid loading: modes of a structure that move with the fluid around it.
+//! Fluid loading: modes of a structure that interact with the surrounding fluid.
 //!
 //! The modes of the structure in vacuum are mass-normalised; Omega are their angular frequencies and zeta their damping
 //! ratios. With the time factor e^{+j omega t}, the modal velocities q' follow from the modal forces f by
@@ -8,10 +8,10 @@
 //! Z_ij = int (phi_i . n) p_j dS                              p_j: pressure on the surface per unit modal velocity
 //! ```
 //!
-//! (Junger & Feit 1986, chapter 9). R damps, and X / omega is the mass of fluid that moves along. [`velocities`] solves
-//! the equation at one frequency, [`resonances`] finds the complex frequencies of free motion. For motion in time with
-//! contact that opens, [`WetModes`] freeze Z at each mode's own resonance. Where the motion stays linear,
-//! [`impedance_correction`] adds the effect of the complete Z(omega).
+//! (Junger & Feit 1986, chapter 9). R causes damping, and X / omega is the added mass of the fluid. [`velocities`]
+//! solves the equation at one frequency, and [`resonances`] finds the complex frequencies of free vibration. For
+//! time-domain motion with contact that opens, [`WetModes`] freeze Z at each mode's own resonance. If the motion
+//! remains linear, [`impedance_correction`] adds the effect of the full Z(omega).
 
 mod damped_transform;
 mod error;

@@ -3,7 +3,7 @@ use crate::checks::{InputError, same_length};
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use std::f64::consts::TAU;
 
-/// Modes of a structure in vacuum, mass-normalised.
+/// Mass-normalised modes of a structure in vacuum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DryModes {
     omega: Vec<f64>,
@@ -11,7 +11,7 @@ pub struct DryModes {
 }
 
 impl DryModes {
-    /// Modes of angular frequencies \[rad/s\], 0 for rigid ones, and damping ratios \[-\].
+    /// Creates modes from angular frequencies \[rad/s\], 0 for rigid ones, and damping ratios \[-\].
     ///
     /// # Errors
     /// [`InputError::Length`] if their numbers differ.
@@ -51,8 +51,8 @@ impl DryModes {
         Ok(stiffness)
     }
 
-    /// Undamped modes with an added mass M, in rising order: angular frequencies, and amplitudes of the dry modes (dry
-    /// x wet) with Phi^T (I + M) Phi = I.
+    /// Undamped modes with an added mass M, in ascending order: angular frequencies, and amplitudes of the dry modes
+    /// (dry x wet) with Phi^T (I + M) Phi = I.
     pub(super) fn with_mass(
         &self,
         mass: &DMatrix<f64>,
@@ -69,7 +69,7 @@ impl DryModes {
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let highest = self.omega.iter().fold(0.0, |a: f64, &b| a.max(b));
-        // Below this a frequency is rounding of that of a rigid mode.
+        // A frequency below this is the rounding error of a rigid mode.
         let rounding = 1e-7 * highest;
         let omega = order.iter().map(|&k| eigen.eigenvalues[k].max(0.0).sqrt());
         let omega = omega.map(|w| if w < rounding { 0.0 } else { w }).collect();
@@ -79,7 +79,7 @@ impl DryModes {
     }
 }
 
-/// Frequency of an angular one \[Hz\].
+/// Converts an angular frequency to \[Hz\].
 pub(super) fn hz(omega: f64) -> f64 {
     omega / TAU
 }

@@ -1,21 +1,21 @@
-//! Complex frequencies of free motion in the fluid.
+//! Complex frequencies of free vibration in the fluid.
 
 use super::error::FluidLoadingError;
 use super::modes::{DryModes, hz};
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Iterations of either kind after which a resonance is given up.
+/// Number of iterations of either kind after which a resonance is abandoned.
 const MOST: usize = 60;
 
-/// Change of a frequency that ends an iteration \[-\].
+/// Relative change of a frequency below which an iteration ends \[-\].
 const TOLERANCE: f64 = 1e-10;
 
-/// Free motion in the fluid, e^{j omega t} with omega = omega_r + j omega_i.
+/// Free vibration in the fluid, e^{j omega t} with omega = omega_r + j omega_i.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resonance {
-    /// Complex angular frequency \[rad/s\]; its imaginary part is positive where motion decays.
+    /// Complex angular frequency \[rad/s\]; its imaginary part is positive for decaying motion.
     pub omega: Complex<f64>,
-    /// Amplitudes of the dry modes, of unit length.
+    /// Amplitudes of the dry modes, normalised to unit length.
     pub shape: DVector<Complex<f64>>,
 }
 
@@ -31,21 +31,21 @@ impl Resonance {
     }
 }
 
-/// Resonances of modes in a fluid below `highest` \[rad/s\], one for each mode, in rising order of their frequency with
-/// only the fluid's mass. `None` where a mode is rigid, lies above, or is damped so much that it does not oscillate.
+/// Resonances of modes in a fluid below `highest` \[rad/s\], one for each mode, sorted by their frequency with only the
+/// fluid's mass. `None` if a mode is rigid, lies above `highest`, or is overdamped.
 ///
 /// `impedance` gives Z at complex angular frequencies near the real axis up to `highest` (closed forms, or an
-/// [`ImpedanceTable`](super::ImpedanceTable)). Each of the sorted undamped frequencies
+/// [`ImpedanceTable`](super::ImpedanceTable)). Each of the sorted undamped frequencies, which satisfy
 ///
 /// ```text
 /// det[Omega² - lambda (I + X(w)/w)] = 0,    w = sqrt(lambda_i)
 /// ```
 ///
-/// is found by iteration of w. Newton's method on q^T T(omega) q, with T the whole equation and inverse iteration for
-/// q, then gives the damped one (T is symmetric, hence the order three).
+/// is found by fixed-point iteration of w. Newton's method on q^T T(omega) q, where T is the complete equation and q
+/// comes from inverse iteration, then yields the damped frequency (T is symmetric, hence third-order convergence).
 ///
 /// # Errors
-/// Lengths that do not fit; [`FluidLoadingError::Mass`].
+/// If lengths are inconsistent; [`FluidLoadingError::Mass`].
 pub fn resonances(
     modes: &DryModes,
     highest: f64,
@@ -61,7 +61,7 @@ pub fn resonances(
         .collect()
 }
 
-/// The undamped resonance of an index in rising order.
+/// The undamped resonance with the given index in ascending order.
 fn undamped(
     modes: &DryModes,
     impedance: &impl Fn(Complex<f64>) -> DMatrix<Complex<f64>>,
@@ -91,7 +91,7 @@ fn undamped(
     Ok(Some((omega, shape)))
 }
 
-/// Newton's method from the undamped resonance on; none where it does not converge to an oscillation.
+/// Newton's method from the undamped resonance; none if it does not converge to an oscillation.
 fn damped(
     modes: &DryModes,
     impedance: &impl Fn(Complex<f64>) -> DMatrix<Complex<f64>>,

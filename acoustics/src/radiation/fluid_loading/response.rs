@@ -11,7 +11,7 @@ use nalgebra::{Complex, DMatrix};
 /// ```
 ///
 /// # Errors
-/// Lengths that do not fit; [`FluidLoadingError::Singular`].
+/// If lengths are inconsistent; [`FluidLoadingError::Singular`].
 pub fn velocities(
     modes: &DryModes,
     omega: f64,
@@ -28,20 +28,20 @@ pub fn velocities(
 /// Mean powers of a harmonic motion \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerBalance {
-    /// That the forces supply, 1/2 Re f^H q'.
+    /// Supplied by the forces, 1/2 Re f^H q'.
     pub input: f64,
-    /// That the structure dissipates, 1/2 q'^H C q'.
+    /// Dissipated by the structure, 1/2 q'^H C q'.
     pub dissipated: f64,
-    /// That is radiated, 1/2 q'^H R q'.
+    /// Radiated, 1/2 q'^H R q'.
     pub radiated: f64,
 }
 
 impl PowerBalance {
-    /// Of velocities under forces, one case each, with the radiation resistance R at this frequency, which may come
-    /// from another evaluation than the impedance of [`velocities`].
+    /// Powers for velocities under forces, one case each. The radiation resistance R at this frequency may come from a
+    /// different evaluation than the impedance used in [`velocities`].
     ///
     /// # Errors
-    /// Lengths that do not fit.
+    /// If lengths are inconsistent.
     pub fn new(
         modes: &DryModes,
         resistance: &DMatrix<f64>,

@@ -2,10 +2,10 @@ use crate::checks::{InputError, positive};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
-/// A radiation impedance between frequencies at which it is known, also near the real axis.
+/// A radiation impedance interpolated over frequency, which is valid also near the real axis.
 ///
 /// Z/(j omega) = X/omega - j R/omega is smooth and finite down to zero frequency. The polynomial through its values at
-/// Chebyshev points of the range is analytic, so that it is also valid at the complex frequencies of damped motion.
+/// Chebyshev points of the range is analytic, so it is also valid at the complex frequencies of damped vibration.
 #[derive(Debug, Clone)]
 pub struct ImpedanceTable {
     /// Angular frequencies of the samples \[rad/s\], and the weights of the barycentric formula.
@@ -15,10 +15,10 @@ pub struct ImpedanceTable {
 }
 
 impl ImpedanceTable {
-    /// Samples `impedance` (of a frequency in hertz) at `count` frequencies in a range \[Hz\].
+    /// Samples `impedance`, a function of frequency in hertz, at `count` frequencies in a range \[Hz\].
     ///
     /// # Errors
-    /// [`InputError`] for a range that is not positive; those of `impedance`.
+    /// [`InputError`] if the range is not positive; errors of `impedance`.
     pub fn new<E: From<InputError>>(
         [low, high]: [f64; 2],
         count: usize,

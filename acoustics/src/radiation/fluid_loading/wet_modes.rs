@@ -1,4 +1,4 @@
-//! Modes with the fluid's mass and damping frozen at each mode's resonance, for motion in time.
+//! Modes with the fluid's mass and damping frozen at each mode's resonance, for time-domain motion.
 
 use super::error::FluidLoadingError;
 use super::modes::{DryModes, hz};
@@ -6,10 +6,10 @@ use crate::checks::same_length;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// Passes over the wet resonances: the first takes the mass at the dry ones.
+/// Number of passes over the wet resonances; the first pass uses the mass at the dry ones.
 const PASSES: usize = 3;
 
-/// Modes of a structure with the mass of fluid that moves along, and the damping that radiation adds.
+/// Modes of a structure with the added mass of the fluid and radiation damping.
 ///
 /// ```text
 /// M_ij = [X_ij(w_i)/w_i + X_ij(w_j)/w_j] / 2          symmetric, at the wet resonances w
@@ -17,10 +17,10 @@ const PASSES: usize = 3;
 /// zeta = [Phi^T C Phi + Phi^T R(w) Phi] / (2 w)       of each column of Phi
 /// ```
 ///
-/// Neglected are R and X off resonance, the off-diagonal elements of Phi^T (C + R) Phi, and echoes.
+/// R and X off resonance, the off-diagonal elements of Phi^T (C + R) Phi, and echoes are neglected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WetModes {
-    /// Angular frequencies in rising order \[rad/s\]; 0 for rigid modes.
+    /// Angular frequencies in ascending order \[rad/s\]; 0 for rigid modes.
     pub omega: Vec<f64>,
     /// Damping ratio of the structure in each mode \[-\].
     pub of_structure: Vec<f64>,
@@ -35,11 +35,12 @@ pub struct WetModes {
 }
 
 impl WetModes {
-    /// From a column of X/omega of the dry modes (the column's number, the angular frequency) and the quadratic form of
-    /// their R (angular frequency, amplitudes). Frequencies \[rad/s\] are at least `lowest`, the value for rigid modes.
+    /// Creates the modes from functions that return a column of X/omega of the dry modes (given its index and the
+    /// angular frequency) and the quadratic form of their R (given the angular frequency and amplitudes). Frequencies
+    /// \[rad/s\] are at least `lowest`, the value for rigid modes.
     ///
     /// # Errors
-    /// A column of another length; [`FluidLoadingError::Mass`].
+    /// If a column has the wrong length; [`FluidLoadingError::Mass`].
     pub fn new(
         modes: &DryModes,
         lowest: f64,

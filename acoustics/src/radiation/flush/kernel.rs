@@ -1,9 +1,10 @@
-//! Rayleigh's kernel and the waves of its points, pair by pair.
+//! Rayleigh's kernel and the spherical waves of its points, by pair.
 
 use crate::trig::sin_cos;
 use pulp::{Arch, Simd, WithSimd};
 
-/// K_b = sin(k r_b)/(k r_b), r_b the distance of a point of a plane from others with the coordinates `x` and `y`.
+/// K_b = sin(k r_b)/(k r_b), where r_b is the distance between a point of a plane and others with the coordinates `x`
+/// and `y`.
 pub(crate) fn sinc(k: f64, from: [f64; 2], [x, y]: [&[f64]; 2], kernel: &mut [f64]) {
     Arch::new().dispatch(Sinc { k, from, x, y, kernel });
 }
@@ -16,7 +17,7 @@ struct Sinc<'a> {
     kernel: &'a mut [f64],
 }
 
-/// sin(x)/x is 1 below.
+/// Below this, sin(x)/x is 1.
 const SMALL: f64 = 1e-8;
 
 impl WithSimd for Sinc<'_> {
@@ -41,8 +42,8 @@ impl WithSimd for Sinc<'_> {
     }
 }
 
-/// e^{-j k r_b}/r_b, real and imaginary part, r_b the distance of a point at `height` above a plane from points of it
-/// with the coordinates `x` and `y`.
+/// e^{-j k r_b}/r_b, real and imaginary part, where r_b is the distance between a point at `height` above a plane and
+/// points in it with the coordinates `x` and `y`.
 pub(super) fn outgoing(k: f64, (from, height): ([f64; 2], f64), [x, y]: [&[f64]; 2], [re, im]: [&mut [f64]; 2]) {
     Arch::new().dispatch(Outgoing {
         k,

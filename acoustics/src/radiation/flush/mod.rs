@@ -1,4 +1,4 @@
-//! Radiation of a surface flush in a plane: a block in sand. Operator, power, pressure at microphones and field.
+//! Radiation of a surface flush with a plane: a block in sand. Operator, power, pressure at microphones, and field.
 
 mod kernel;
 mod plane;

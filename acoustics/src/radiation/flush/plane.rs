@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Pressures of the modes of a flush surface at points above the infinite rigid plane.
+/// Pressures due to the modes of a flush surface at points above the infinite rigid plane.
 ///
-/// Pressures are computed without the travel time from `origin` at the frequencies at which the resistance of the
+/// Pressures are computed with the travel time from `origin` removed, at the frequencies at which the resistance of the
 /// surface is sampled, and interpolated in the same way.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SoundAbovePlane {
-    /// Points x modes at every sample.
+    /// Points x modes for each sample.
     #[serde(with = "crate::blocks")]
     samples: Vec<DMatrix<Complex<f64>>>,
     distances: Vec<f64>,
@@ -24,7 +24,7 @@ impl SoundAbovePlane {
     /// Computes the pressures of `surface` at `places` for the samples of its resistance.
     ///
     /// # Errors
-    /// Points below the plane or closer to it than the quadrature of the surface resolves.
+    /// If points are below the plane, or closer to it than the quadrature of the surface resolves.
     pub fn new(
         surface: &Rayleigh,
         sampled: &SampledRadiation,
@@ -55,8 +55,7 @@ impl SoundAbovePlane {
         })
     }
 
-    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` at each
-    /// sample.
+    /// Converts to different air: multiplies frequencies by `speed`, and the pressure at each sample by `factor`.
     pub(super) fn in_air(mut self, speed: f64, factors: &[f64]) -> Self {
         self.sound_speed *= speed;
         for (sample, factor) in self.samples.iter_mut().zip(factors) {
@@ -65,7 +64,7 @@ impl SoundAbovePlane {
         self
     }
 
-    /// Appends the samples `taken` of `above`.
+    /// Appends the samples `taken` from `above`.
     pub(super) fn continued(mut self, mut above: Self, taken: &[usize]) -> Self {
         let moved = taken.iter().map(|&sample| std::mem::take(&mut above.samples[sample]));
         self.samples.extend(moved);

@@ -1,4 +1,4 @@
-//! A surface flush with the sand around it, by Rayleigh's integral.
+//! A surface flush with the surrounding sand, by Rayleigh's integral.
 
 use super::{AbsorbingSand, FlushSound};
 use crate::error::AcousticsError;
@@ -13,7 +13,7 @@ use crate::signals::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_
 
 /// One body whose surface is flush with sand.
 pub struct FlushRadiator {
-    /// Its radiation by spherical waves and by the intensity on the surface, and its pressure at the receivers.
+    /// Its radiation from spherical waves and from the intensity on the surface, and its pressure at the receivers.
     pub sound: FlushSound,
     /// Its equivalent radiated power.
     pub erp: Erp,
@@ -76,8 +76,8 @@ impl Radiator for FlushRadiator {
     }
 }
 
-/// The report of a flush surface: its power by spherical waves, by the intensity on the surface (`ratios` per band) and
-/// with radiation efficiency 1.
+/// The report of a flush surface: its power from spherical waves, from the intensity on the surface (`ratios` per
+/// band), and with radiation efficiency 1.
 fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], erp: &SourceSpectrum) -> RadiationReport {
     let range = waves.range_hz;
     let ratio_of = |band: i32| {
@@ -99,7 +99,7 @@ fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], er
     let inside = |b: &BandLevel| b.band.high > range[0] && b.band.low < range[1];
     let rows = bands.iter().zip(erp.band_levels(range));
     RadiationReport {
-        // There is no other method above.
+        // No other method is used above.
         join_hz: [flush.waves.highest_hz().min(range[1]); 2],
         solved_hz: [flush.waves.highest_hz().min(range[1]); 2],
         frequencies: flush.waves.sampled_hz().len(),
@@ -126,7 +126,7 @@ fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], er
     }
 }
 
-/// Uncertainty from the absorption of the sand: from that of an infinite plane of sand to none.
+/// Uncertainty due to the absorption of the sand, which ranges from that of an infinite plane of sand to none.
 fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) -> Uncertainty {
     let plane: Vec<f64> = source
         .frequency

@@ -16,23 +16,23 @@ use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::PI;
 
-/// Rayleigh's integral for a flat surface, flush in an infinite rigid plane, that radiates to its upper side.
+/// Rayleigh's integral for a flat surface flush with an infinite rigid plane, radiating to its upper side.
 ///
 /// ```text
 /// R = rho0 omega^2 / (2 pi c0) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab) / (k r_ab)
 /// ```
 ///
-/// S contains the quadrature weights. The kernel is smooth, so that a Gauss rule on the faces converges spectrally. The
-/// kernel is applied as a sum of spherical waves; [`Self::surface_resistance`] sums over pairs of points instead.
+/// S contains the quadrature weights. The kernel is smooth, so a Gauss rule on the faces converges spectrally. The
+/// kernel is applied as a sum of spherical waves, whereas [`Self::surface_resistance`] sums over pairs of points.
 #[derive(Debug, Clone)]
 pub struct Rayleigh {
     air: Air,
     sources: Sources,
-    /// Bounding rectangle of the surface, intervals of x and y.
+    /// Bounding rectangle of the surface: intervals of x and y.
     extent: [[f64; 2]; 2],
     /// z of all points.
     plane: f64,
-    /// Least height above the plane at which the pressure can be evaluated \[m\].
+    /// Smallest height above the plane at which the pressure can be evaluated \[m\].
     clearance: f64,
     displacement: DMatrix<f64>,
     patches: Vec<String>,
@@ -41,7 +41,7 @@ pub struct Rayleigh {
 }
 
 impl Rayleigh {
-    /// The operator for a flat surface that faces up (+z), with its points in one plane z = const.
+    /// Creates the operator for a flat surface that faces up (+z), with all points in a plane z = const.
     ///
     /// # Errors
     /// [`RadiationError::NotPlanar`] for any other surface.
@@ -88,20 +88,20 @@ impl Rayleigh {
         })
     }
 
-    /// With sand around the surface that absorbs part of the power.
+    /// Adds surrounding sand that absorbs part of the power.
     ///
     /// # Errors
-    /// A resistivity that is not positive, a share outside 0 to 1.
+    /// If the resistivity is not positive or the share is outside 0 to 1.
     pub fn with_absorbing_sand(mut self, sand: AbsorbingSand) -> Result<Self, InputError> {
         sand.check()?;
         self.absorbing = Some(sand);
         Ok(self)
     }
 
-    /// With sand around the surface that moves with it; it becomes one more patch, `sand`.
+    /// Adds surrounding sand that moves with the surface; it becomes another patch, `sand`.
     ///
     /// # Errors
-    /// A footprint outside the box, a speed or frequency that is not positive.
+    /// If the footprint is outside the box, or a speed or frequency is not positive.
     pub fn with_moving_sand(mut self, sand: MovingSand) -> Result<Self, RadiationError> {
         sand.check()?;
         self.moving = Some(sand.patch(&self.air, &self.sources.points, &self.displacement));
@@ -116,7 +116,7 @@ impl Rayleigh {
         &self.patches
     }
 
-    /// The same surface with the smallest number of sources that represent waves up to the frequency `hz`. They are
+    /// The same surface with the smallest number of sources that represents waves up to the frequency `hz`. They are
     /// equivalent to the surface at points that are [far](Self::is_far) from it.
     pub(crate) fn up_to(&self, hz: f64) -> Self {
         Self {
@@ -131,7 +131,7 @@ impl Rayleigh {
         (place - Point3::new(x, y, self.plane)).norm() > diameter(self.extent)
     }
 
-    /// Resistance of every patch at the frequency `hz`; they add up to the whole, which is positive semidefinite.
+    /// Resistance of each patch at the frequency `hz`; the sum is positive semidefinite.
     pub fn resistance(&self, hz: f64) -> Vec<Resistance> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         let Sources {
@@ -168,7 +168,7 @@ impl Rayleigh {
     /// each frequency.
     ///
     /// # Errors
-    /// An empty range, or a tolerance that the allowed number of samples cannot meet.
+    /// If the range is empty, or the tolerance cannot be met with the allowed number of samples.
     pub fn sampled(
         &self,
         sampling: &Sampling,
@@ -208,11 +208,11 @@ impl Rayleigh {
     /// p(x) = rho0/(2 pi) sum_a S_a phi_a e^{-jkr}/r,   r = |x - x_a|
     /// ```
     ///
-    /// times the square root of the power factor of absorbing sand.
+    /// times the square root of the absorbing sand's power factor.
     ///
     /// # Errors
-    /// [`ReceiverError::BelowFloor`] for a place below the plane. [`ReceiverError::NearSurface`] for one closer to it
-    /// than the surface's diameter over the root of its number of points.
+    /// [`ReceiverError::BelowFloor`] for a point below the plane. [`ReceiverError::NearSurface`] for a point closer to
+    /// the plane than the surface's diameter divided by the square root of its number of points.
     pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, ReceiverError> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         let needed = self.clearance;
@@ -243,8 +243,8 @@ impl Rayleigh {
         points.iter().map(|p| p.z - self.plane >= self.clearance).collect()
     }
 
-    /// rho0/(2 pi) sum_a S_a phi_a w_i(x_a) over block and sand, i x modes, times the square root of the power factor
-    /// of absorbing sand. `fill` gives the real and imaginary part of w_i at points by their coordinates.
+    /// rho0/(2 pi) sum_a S_a phi_a w_i(x_a) over block and sand, i x modes, times the square root of the absorbing
+    /// sand's power factor. `fill` writes the real and imaginary parts of w_i at points given by their coordinates.
     fn carried_by(
         &self,
         hz: f64,
@@ -281,9 +281,9 @@ impl Rayleigh {
         real.zip_map(&imaginary, |re, im| Complex::new(factor * re, factor * im))
     }
 
-    /// Largest delay of waves from any moving point relative to waves from the centre of the moving surface, as a
-    /// distance in air \[m\], and that centre. The delay of sand includes the travel time of the surface wave from the
-    /// edge of the block.
+    /// Largest delay of waves from any moving point relative to waves from the centre of the moving surface, expressed
+    /// as a distance in air \[m\], and that centre. The delay of sand includes the travel time of the surface wave from
+    /// the edge of the block.
     pub(crate) fn reach(&self) -> (f64, Point3<f64>) {
         let [x, y] = middle(self.extent);
         let own = 0.5 * diameter(self.extent);
@@ -298,14 +298,14 @@ impl Rayleigh {
         self.moving.as_ref().map(SandPatch::fade_hz)
     }
 
-    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, r from the point (0, 0) of
-    /// the plane, directions x modes \[Pa m per m/s²\].
+    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, where r is the distance from
+    /// the point (0, 0) of the plane; directions x modes \[Pa m per m/s²\].
     ///
     /// ```text
     /// r p e^{jkr} = rho0/(2 pi) sum_a S_a phi_a e^{jk d.x_a}
     /// ```
     ///
-    /// times the square root of the power factor of absorbing sand.
+    /// times the square root of the absorbing sand's power factor.
     pub fn far_field_at(&self, hz: f64, directions: &[Vector3<f64>]) -> DMatrix<Complex<f64>> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         self.carried_by(hz, directions.len(), |i, [x, y], [re, im]| {
@@ -323,7 +323,7 @@ impl Rayleigh {
     }
 }
 
-/// Middle of a rectangle.
+/// Centre of a rectangle.
 fn middle(extent: [[f64; 2]; 2]) -> [f64; 2] {
     extent.map(|[low, high]| 0.5 * (low + high))
 }
@@ -333,15 +333,15 @@ fn diameter([[x0, x1], [y0, y1]]: [[f64; 2]; 2]) -> f64 {
     (x1 - x0).hypot(y1 - y0)
 }
 
-/// Largest distance of points from a middle.
+/// Largest distance of points from a centre.
 fn radius(points: &[[f64; 2]], middle: [f64; 2]) -> f64 {
     let distance = |p: &[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
     points.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// `factor` times the Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum. They are real fields of
-/// the patches of the surface, followed by that of the sand, Y_s = Z E, from the complex field Z of the points that
-/// follow each edge point and the motion E of the edge. The field of the sand may have more waves.
+/// `factor` times the Hermitian parts of Y_p^H Y for each patch field Y_p, where Y is their sum. The fields of the
+/// surface's patches are real. They are followed by that of the sand, Y_s = Z E, where Z is the complex field of the
+/// points that follow each edge point, and E the motion of the edge. The field of the sand may have more waves.
 fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>, factor: f64) -> Vec<Resistance> {
     let mut surface = own[0].clone();
     own[1..].iter().for_each(|field| surface += field);
@@ -382,7 +382,8 @@ fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f
     forms
 }
 
-/// `factor` times the symmetric part of a matrix, or with `sign` -1 the antisymmetric part; tile by tile for the cache.
+/// `factor` times the symmetric part of a matrix (or the antisymmetric part if `sign` is -1), tile by tile for the
+/// cache.
 fn mirrored(mut m: DMatrix<f64>, sign: f64, factor: f64) -> DMatrix<f64> {
     const TILE: usize = 16;
     let n = m.ncols();
@@ -421,8 +422,8 @@ fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> DMatrix<f64> {
 mod tests {
     use super::*;
 
-    /// By waves, pair by pair and at places that are far, with sand that moves, up to the frequency they are chosen
-    /// for.
+    /// Compares waves, pairs of points and distant receivers, with moving sand, up to the frequency for which the
+    /// sources are chosen.
     #[test]
     fn few_sources_radiate_like_all() {
         let grid: Vec<[f64; 2]> = (0..1920)
@@ -448,6 +449,7 @@ mod tests {
             footprint: [[-0.2, 0.2], [-0.08, 0.08]],
             sand: [[-0.3, 0.3], [-0.25, 0.35]],
             shear_speed: 112.0,
+            poisson_ratio: 0.3,
             loss_factor: 0.1,
             to_hz: 1000.0,
         };

@@ -12,14 +12,14 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Normalised surface admittance beta = rho0 c0 / Z of a half space of porous material.
+/// Normalised surface admittance beta = rho0 c0 / Z of a half-space of porous material.
 ///
 /// ```text
 /// Z / (rho0 c0) = 1 + 0.070 (f/sigma)^{-0.632} - j 0.107 (f/sigma)^{-0.632}
 /// ```
 ///
-/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), fitted for 0.01 < f/sigma < 1 and causal below. `resistivity` is
-/// the flow resistivity sigma \[Pa s/m²\].
+/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), fitted for 0.01 < f/sigma < 1 and causal below that range.
+/// `resistivity` is the flow resistivity sigma \[Pa s/m²\].
 pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
     let x = (hz / resistivity).powf(-0.632);
     Complex::new(1.0 + 0.070 * x, -0.107 * x).inv()
@@ -27,14 +27,14 @@ pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
 
 /// Sand that absorbs sound at grazing incidence.
 ///
-/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by g(f), relative
-/// to a rigid plane.
+/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by g(f) relative
+/// to a rigid plane:
 ///
 /// ```text
 /// g(f) = int_0^1 |u / (u + beta)|^2 du       u the cosine of the angle to the normal
 /// ```
 ///
-/// The sand of a box is finite, so that only the fraction `share` of the loss in decibels is applied.
+/// The sand in a box is finite, so only the fraction `share` of the loss in decibels is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AbsorbingSand {
     /// Flow resistivity sigma \[Pa s/m²\]; dry sand has 1e5 to 5e5.
@@ -53,7 +53,7 @@ impl Default for AbsorbingSand {
 }
 
 impl AbsorbingSand {
-    /// The factor g on power above an infinite plane.
+    /// The power factor g above an infinite plane.
     pub fn infinite_plane_factor(&self, hz: f64) -> f64 {
         let beta = miki_admittance(hz, self.resistivity);
         // The substitution u = t² concentrates the nodes where u ~ beta.
@@ -62,7 +62,7 @@ impl AbsorbingSand {
         RULE.iter().map(|(x, w)| 0.5 * w * value(0.5 * (1.0 + x))).sum()
     }
 
-    /// The factor g^share applied.
+    /// The applied factor g^share.
     pub fn factor(&self, hz: f64) -> f64 {
         self.infinite_plane_factor(hz).powf(self.share)
     }
@@ -82,43 +82,40 @@ impl AbsorbingSand {
     }
 }
 
-/// Sand that moves with the block and radiates with it.
+/// Sand that moves and radiates with the block.
 ///
 /// ```text
 /// v(s) = v_edge (2/pi) asin(a / (a + s)) e^{-j k_R s (1 - j eta/2)}      a = sqrt(A/pi),  k_R = omega / c_R
 /// ```
 ///
-/// The distance to the edge of the block is s. The velocity v_edge is that of the block at the nearest point of its
-/// edge, and A is the area of its top. This is the static surface displacement around a rigid disk, propagating outward
-/// as a Rayleigh wave.
+/// s is the distance from the edge of the block. v_edge is the block's velocity at the nearest point of its edge, and A
+/// the area of its top. The law is the static surface displacement around a rigid disc, propagating outward as a
+/// Rayleigh wave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MovingSand {
-    /// The block's top, intervals of x and y \[m\].
+    /// The block's top: intervals of x and y \[m\].
     pub footprint: [[f64; 2]; 2],
-    /// The sand's surface, intervals of x and y \[m\].
+    /// The sand's surface: intervals of x and y \[m\].
     pub sand: [[f64; 2]; 2],
     /// Shear wave speed V_s of the sand \[m/s\].
     pub shear_speed: f64,
+    /// Poisson's ratio nu of the sand \[-\], 0 to 0.5.
+    pub poisson_ratio: f64,
     /// Loss factor eta of the sand.
     pub loss_factor: f64,
-    /// Highest frequency at which the sand moves \[Hz\]; its motion fades out over the one-third octave below.
+    /// Highest frequency at which the sand moves \[Hz\]; its motion fades out over the third of an octave below.
     pub to_hz: f64,
 }
-
-/// Rayleigh wave speed over shear wave speed: 0.927 for a Poisson's ratio of 0.3, 0.935 for 0.35 (I. A. Viktorov 1967,
-/// "Rayleigh and Lamb Waves", Plenum Press). The exact value for 0.3 moves no third octave of the sandbox by more than
-/// 0.02 dB; the Poisson's ratio of the sand does not enter here.
-const RAYLEIGH_SPEED: f64 = 0.93;
 
 /// Relative difference below which lengths count as equal.
 const ROUNDING: f64 = 1e-6;
 
-/// Quadrature points of the sand's surface; the motion of each follows a point of the block's edge.
+/// Quadrature points on the sand's surface; the motion of each follows a point of the block's edge.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
     /// Positions, x and y \[m\].
     pub(super) places: Vec<[f64; 2]>,
-    /// Bounding rectangle, intervals of x and y \[m\].
+    /// Bounding rectangle: intervals of x and y \[m\].
     pub(super) extent: [[f64; 2]; 2],
     points: Vec<FollowingPoint>,
     /// Modal displacements of the block at the edge points that the sand follows, edge points x modes.
@@ -130,9 +127,9 @@ pub(super) struct SandPatch {
 /// A point of the sand's surface.
 #[derive(Debug, Clone)]
 struct FollowingPoint {
-    /// Number of the edge point that it follows.
+    /// Index of the edge point that it follows.
     leader: usize,
-    /// Its distance from there \[m\].
+    /// Distance from that point \[m\].
     distance: f64,
     /// Its quadrature weight \[m²\].
     weight: f64,
@@ -141,6 +138,15 @@ struct FollowingPoint {
 impl MovingSand {
     pub(super) fn check(&self) -> Result<(), RadiationError> {
         positive("shear wave speed of the sand [m/s]", self.shear_speed)?;
+        if !(0.0..0.5).contains(&self.poisson_ratio) {
+            return Err(InputError::OutsideRange {
+                what: "Poisson's ratio of the sand",
+                value: self.poisson_ratio,
+                low: 0.0,
+                high: 0.5,
+            }
+            .into());
+        }
         positive("upper frequency of the moving sand [Hz]", self.to_hz)?;
         let inside = |i: usize| {
             let ([a, b], [c, d]) = (self.footprint[i], self.sand[i]);
@@ -158,11 +164,11 @@ impl MovingSand {
 
     /// Gauss points on the eight rectangles around the footprint, dense enough for the shortest Rayleigh wave.
     pub(super) fn patch(&self, air: &Air, block: &[[f64; 2]], displacement: &DMatrix<f64>) -> SandPatch {
-        let k = 2.0 * PI * self.to_hz * (1.0 / (RAYLEIGH_SPEED * self.shear_speed) + 1.0 / air.sound_speed);
+        let k = 2.0 * PI * self.to_hz * (1.0 / self.rayleigh_speed() + 1.0 / air.sound_speed);
         let strips = |i: usize| {
             let ([a, b], [c, d]) = (self.footprint[i], self.sand[i]);
             [(c, a), (a, b), (b, d)].map(|(low, high)| {
-                // Two points per wavelength are the limit of Gauss rules; the others resolve the amplitude law.
+                // Gauss rules need at least two points per wavelength; the others resolve the amplitude law.
                 let n = (k * (high - low) / PI * 1.3).ceil() as usize + 6;
                 let half = 0.5 * (high - low);
                 gauss_legendre(n)
@@ -214,8 +220,8 @@ impl MovingSand {
     }
 }
 
-/// Displacement at a point of the edge: least-squares plane through the nine nearest quadrature points and any as far
-/// away as the ninth, so that mirror images of edge points move equally. Exact for rigid motion.
+/// Displacement at a point of the edge, from a least-squares plane through the nine nearest quadrature points and any
+/// at the same distance as the ninth, so that mirror images of edge points move equally. It is exact for rigid motion.
 fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
     let mut near: Vec<(f64, usize)> = block
         .iter()
@@ -242,8 +248,8 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
 }
 
 impl SandPatch {
-    /// Motion of every point relative to its edge point at one frequency; `None` above the frequency range of the
-    /// moving sand.
+    /// Motion of each point relative to its edge point at one frequency; `None` above the frequency range of the moving
+    /// sand.
     pub(super) fn followers(&self, hz: f64) -> Option<Vec<Follower>> {
         self.law.fade(hz)?;
         let follower = |p: &FollowingPoint| Follower {
@@ -253,7 +259,7 @@ impl SandPatch {
         Some(self.points.iter().map(follower).collect())
     }
 
-    /// The points that follow each edge point as equivalent sources on a grid: real and imaginary part, grid points x
+    /// The points that follow each edge point, as equivalent sources on a grid: real and imaginary part, grid points x
     /// edge points.
     pub(super) fn carried(&self, grid: &Grid, followers: &[Follower]) -> [DMatrix<f64>; 2] {
         let n = grid.len();
@@ -275,22 +281,39 @@ impl SandPatch {
     /// Largest delay of the sand relative to the edge of the block \[s\].
     pub(super) fn lag(&self) -> f64 {
         let farthest = self.points.iter().fold(0.0, |a: f64, p| a.max(p.distance));
-        farthest / (RAYLEIGH_SPEED * self.law.shear_speed)
+        farthest / self.law.rayleigh_speed()
     }
 
-    /// As [`MovingSand::fade_hz`].
+    /// Same as [`MovingSand::fade_hz`].
     pub(super) fn fade_hz(&self) -> [f64; 2] {
         self.law.fade_hz()
     }
 }
 
 impl MovingSand {
+    /// Rayleigh wave speed c_R \[m/s\], from x = (c_R/V_s)^2 in 0 < x < 1:
+    /// x^3 - 8 x^2 + (24 - 16 q) x - 16 (1 - q) = 0, q = (1 - 2 nu)/(2 (1 - nu)).
+    ///
+    /// Lord Rayleigh (1885), "On waves propagated along the plane surface of an elastic solid", Proceedings of the
+    /// London Mathematical Society 17, 4-11; I. A. Viktorov (1967), "Rayleigh and Lamb Waves", Plenum Press.
+    pub fn rayleigh_speed(&self) -> f64 {
+        let nu = self.poisson_ratio;
+        let q = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu));
+        let newton = |x: f64, _| {
+            let value = ((x - 8.0) * x + 24.0 - 16.0 * q) * x - 16.0 * (1.0 - q);
+            x - value / ((3.0 * x - 16.0) * x + 24.0 - 16.0 * q)
+        };
+        // Viktorov's approximation is within 0.5 %: four steps reach the last bit.
+        let x = (0..4).fold(((0.87 + 1.12 * nu) / (1.0 + nu)).powi(2), newton);
+        self.shear_speed * x.sqrt()
+    }
+
     /// The nearest point of the block's edge to a point (x, y) of the sand's surface \[m\].
     pub fn edge(&self, point: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| point[i].clamp(self.footprint[i][0], self.footprint[i][1]))
     }
 
-    /// v(s)/v_edge at a point (x, y) of the sand's surface: its velocity over that of the block at [`Self::edge`]; 0
+    /// v(s)/v_edge at a point (x, y) of the sand's surface, relative to the velocity of the block at [`Self::edge`]; 0
     /// above the frequency range of the moving sand.
     pub fn ratio(&self, point: [f64; 2], hz: f64) -> Complex<f64> {
         let edge = self.edge(point);
@@ -300,7 +323,7 @@ impl MovingSand {
 
     fn carried(&self, s: f64, radius: f64, hz: f64) -> Complex<f64> {
         let fade = self.fade(hz).unwrap_or(0.0);
-        let k = 2.0 * PI * hz / (RAYLEIGH_SPEED * self.shear_speed);
+        let k = 2.0 * PI * hz / self.rayleigh_speed();
         let amplitude = 2.0 / PI * (radius / (radius + s)).asin() * (-0.5 * self.loss_factor * k * s).exp();
         Complex::from_polar(fade * amplitude, -k * s)
     }
@@ -311,8 +334,8 @@ impl MovingSand {
         ((x1 - x0) * (y1 - y0) / PI).sqrt()
     }
 
-    /// Frequency range of one third of an octave over which the motion fades out \[Hz\]. Its second derivative jumps at
-    /// both ends.
+    /// Frequency range of one third of an octave over which the motion fades out \[Hz\]. Its second derivative is
+    /// discontinuous at both ends.
     fn fade_hz(&self) -> [f64; 2] {
         [self.to_hz * 10f64.powf(-0.1), self.to_hz]
     }

@@ -5,35 +5,37 @@ use crate::radiation::{SampledRadiation, Sampling};
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-/// Radiation of a surface flush in a plane: by spherical waves, by the intensity on the surface, and pressures at
-/// points above.
+/// Radiation of a surface flush with a plane: from spherical waves, from the intensity on the surface, and as pressures
+/// at points above.
 ///
-/// The radiation of the surface without sand depends only on the wavelength and can be converted to another air.
+/// The radiation of the surface without sand depends only on the wavelength and can be converted to different air
+/// conditions:
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
 /// ```
 ///
-/// Absorbing sand multiplies R by its factor g(f) and p by the square root of g. Moving sand has a separate wavenumber:
-/// it is computed for each air, up to the frequency where its motion ends, and [continued](FlushSound::continued) by
-/// the surface only. Only long waves matter there, for which a tenth of the surface's points is sufficient.
+/// Absorbing sand multiplies R by its factor g(f), and p by the square root of g. Moving sand has a wavenumber of its
+/// own, so it is computed for each state of the air, up to the frequency at which its motion ends; above, the radiation
+/// is [continued](FlushSound::continued) by the surface alone. Only long waves matter there, for which a tenth of the
+/// surface's points suffices.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlushSound {
-    /// Its resistance, by spherical waves.
+    /// Its resistance, from spherical waves.
     pub waves: SampledRadiation,
-    /// Resistance by pairs of points, in bands.
+    /// Resistance from pairs of points, in bands.
     pub surface: SurfaceResistances,
     /// Pressures at points above the plane.
     pub pressures: SoundAbovePlane,
 }
 
 impl FlushSound {
-    /// Largest ratio of the speeds of sound of two airs for the conversion of a resistance: the centre of a
-    /// one-third-octave band then stays in that band.
+    /// Largest ratio between the speeds of sound of two states of the air for which a resistance can be converted: the
+    /// centre of a one-third-octave band then stays in that band.
     pub const WIDEST: f64 = 1.122_018_454_301_963_3;
 
-    /// Samples to the tolerance of `sampling`, with pressures at `places` above the plane, without the travel time from
-    /// `origin`; `progress` is called after each frequency.
+    /// Samples to the tolerance of `sampling`, with pressures at `places` above the plane, with the travel time from
+    /// `origin` removed; `progress` is called after each frequency.
     ///
     /// # Errors
     /// Those of [`Rayleigh::sampled`] and [`SoundAbovePlane::new`].
@@ -74,7 +76,7 @@ impl FlushSound {
         }
     }
 
-    /// Joins this radiation up to its highest frequency with `above` from there on.
+    /// Joins this radiation, up to its highest frequency, with `above` beyond it.
     #[must_use]
     pub fn continued(self, above: Self) -> Self {
         let (waves, taken) = self.waves.continued(above.waves);

@@ -12,13 +12,13 @@ use nalgebra::{Complex, Point3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Bins worked on at once.
+/// Number of bins processed at once.
 const CHUNK: usize = 64;
 
-/// The field of a surface whose energy is `radiated`; names of fields begin with `prefix`.
+/// The field of a surface with the energy `radiated`; names of fields begin with `prefix`.
 ///
 /// # Errors
-/// Those of Rayleigh's integral.
+/// Errors of Rayleigh's integral.
 pub fn flush_field(
     prefix: &str,
     surface: &Rayleigh,
@@ -59,10 +59,10 @@ pub fn flush_field(
     })
 }
 
-/// The sound of a shot above a surface flush in a plane, band by band.
+/// The sound of a shot above a surface flush with a plane, in bands.
 ///
 /// # Errors
-/// [`ReceiverError`](crate::ReceiverError) for points that [`Rayleigh::pressure_at`] refuses.
+/// [`ReceiverError`](crate::ReceiverError) for points that [`Rayleigh::pressure_at`] rejects.
 pub fn band_sound_above_plane(
     surface: &Rayleigh,
     bands: &[Band],

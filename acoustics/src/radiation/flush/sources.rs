@@ -9,15 +9,15 @@ use std::f64::consts::PI;
 pub(super) struct Sources {
     /// x and y \[m\].
     pub(super) points: Vec<[f64; 2]>,
-    /// Numbers of the points of each patch.
+    /// Indices of the points of each patch.
     pub(super) rows: Vec<Vec<usize>>,
     /// Displacement of each mode at the points times their area, points x modes.
     pub(super) strengths: DMatrix<f64>,
 }
 
 impl Sources {
-    /// Equivalent sources on a [`Grid`] for waves up to a wavenumber k; a copy of these sources if the grid has more
-    /// than half as many points.
+    /// Equivalent sources on a [`Grid`] for waves up to a wavenumber k, or a copy of these sources if the grid would
+    /// have more than half as many points.
     pub(super) fn fewer(&self, k: f64) -> Self {
         let grid = Grid::new(extent(&self.points), k);
         let cells = grid.len();
@@ -53,8 +53,8 @@ pub(super) fn extent(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Chebyshev points of a rectangle. A wave is a smooth function on the rectangle, which its values w at these points
-/// x_c determine to ten digits. Any set of sources is therefore equivalent to sources at these points:
+/// Chebyshev points of a rectangle. A wave is a smooth function on the rectangle, and its values w at these points x_c
+/// determine it to ten digits. Any set of sources is therefore equivalent to sources at these points:
 ///
 /// ```text
 /// w(x_a) = sum_c L_c(x_a) w(x_c)        =>      sum_a s_a w(x_a) = sum_c s'_c w(x_c),   s'_c = sum_a L_c(x_a) s_a
@@ -65,7 +65,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// For waves up to a wavenumber k.
+    /// Creates the grid for waves up to a wavenumber k.
     pub(super) fn new(extent: [[f64; 2]; 2], k: f64) -> Self {
         Self {
             axes: extent.map(|ends| chebyshev(ends, k)),
@@ -83,7 +83,7 @@ impl Grid {
         xs.iter().flat_map(|&x| ys.iter().map(move |&y| [x, y])).collect()
     }
 
-    /// L_c of a point of the rectangle, grid point by grid point.
+    /// L_c at a point of the rectangle, for each grid point.
     pub(super) fn shares(&self, point: [f64; 2], to: &mut [f64]) {
         let [x, y] = [0, 1].map(|axis| lagrange(&self.axes[axis], point[axis]));
         let products = x.iter().flat_map(|x| y.iter().map(move |y| x * y));
@@ -91,7 +91,7 @@ impl Grid {
     }
 }
 
-/// Chebyshev points of the first kind on an interval, sufficient for waves of wavenumber k along it: the Chebyshev
+/// Chebyshev points of the first kind on an interval, enough for waves of wavenumber k along it: the Chebyshev
 /// coefficients of such waves are Bessel functions of k times half its length.
 fn chebyshev([low, high]: [f64; 2], k: f64) -> Vec<f64> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -104,7 +104,7 @@ fn chebyshev([low, high]: [f64; 2], k: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Lagrange's polynomials on Chebyshev's points at x, by their barycentric weights.
+/// Lagrange polynomials on Chebyshev points, evaluated at x with barycentric weights.
 fn lagrange(nodes: &[f64], x: f64) -> Vec<f64> {
     if let Some(hit) = nodes.iter().position(|node| *node == x) {
         return (0..nodes.len()).map(|i| f64::from(u8::from(i == hit))).collect();
@@ -163,7 +163,7 @@ mod tests {
                 }
             }
         }
-        // Short waves need as many points as there are.
+        // Short waves need all points.
         assert_eq!(sources.fewer(400.0).points, sources.points);
     }
 }

@@ -9,26 +9,26 @@
 //! by the addition theorems of the spherical Bessel functions (Abramowitz and Stegun 10.1.45) and of Legendre
 //! polynomials; in the plane only harmonics with even l + m are nonzero. Hence R = Y^T Y, where Y contains the
 //! amplitudes of all spherical waves for each mode: positive semidefinite by construction. The cost is waves x points x
-//! modes; the number of waves grows with (k a)^2, a the radius of the surface.
+//! modes; the number of waves grows with (k a)^2, where a is the radius of the surface.
 
 use nalgebra::{Complex, DMatrix};
 
-/// Orders are left out once all waves are smaller than this; the error of the kernel is its square.
+/// Orders are omitted once all waves are smaller than this; the error of the kernel is its square.
 const SMALLEST: f64 = 1e-10;
 
-/// Columns of a product that are multiplied at once.
+/// Number of columns of a product multiplied at once.
 const CHUNK: usize = 384;
 
 /// A point whose motion is proportional to that of another point, its leader.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Follower {
-    /// Number of the leader.
+    /// Index of the leader.
     pub(crate) leader: usize,
-    /// Velocity over that of the leader, times the area of the point \[m²\].
+    /// Velocity relative to the leader, times the area of the point \[m²\].
     pub(crate) amplitude: Complex<f64>,
 }
 
-/// Spherical waves about a point of the plane, orders rising.
+/// Spherical waves about a point of the plane, in ascending order.
 #[derive(Debug, Clone)]
 pub(crate) struct SphericalWaves {
     k: f64,
@@ -40,7 +40,7 @@ pub(crate) struct SphericalWaves {
 }
 
 impl SphericalWaves {
-    /// Waves of wavenumber `k` for points within `radius` about `middle`.
+    /// Waves of wavenumber `k` for points within `radius` of `middle`.
     pub(crate) fn new(k: f64, middle: [f64; 2], radius: f64) -> Self {
         let order = highest_order(k * radius);
         // c_n, which contain all factorials.
@@ -85,8 +85,7 @@ impl SphericalWaves {
         field
     }
 
-    /// Wave amplitudes of following points per unit motion of their leaders: real and imaginary part, both waves x
-    /// leaders.
+    /// Wave amplitudes of followers per unit motion of their leaders: real and imaginary part, both waves x leaders.
     pub(crate) fn field_of_followers(
         &self,
         points: &[[f64; 2]],
@@ -142,7 +141,7 @@ impl SphericalWaves {
     }
 }
 
-/// Room for j_l and e^{j m psi} of one point.
+/// Workspace for j_l and e^{j m psi} at one point.
 struct Scratch {
     radial: Vec<f64>,
     around: Vec<Complex<f64>>,
@@ -150,28 +149,28 @@ struct Scratch {
 
 /// Highest order l with sqrt(2 l + 1) j_l(x) above [`SMALLEST`].
 pub(super) fn highest_order(x: f64) -> usize {
-    // j_l falls off over some x^{1/3} orders beyond l = x.
+    // j_l decays within about x^{1/3} orders beyond l = x.
     let mut values = vec![0.0; (x + 8.0 * x.cbrt() + 16.0).ceil() as usize];
     spherical_bessel(x, &mut values);
     let counts = |(l, j): (usize, &f64)| ((2 * l + 1) as f64).sqrt() * j > SMALLEST;
     values.iter().enumerate().rposition(counts).unwrap_or(0)
 }
 
-/// j_0(x), j_1(x), ... for x >= 0, the last of them beyond l = x: by the recurrence downwards (J. C. P. Miller, in
-/// Abramowitz and Stegun 10.5), scaled to sum (2 l + 1) j_l^2 = 1.
+/// j_0(x), j_1(x), ... for x >= 0, where the last one must lie beyond l = x: by downward recurrence (J. C. P. Miller,
+/// in Abramowitz and Stegun 10.5), scaled to sum (2 l + 1) j_l^2 = 1.
 fn spherical_bessel(x: f64, values: &mut [f64]) {
-    /// Number of orders beyond the last one wanted at which the recurrence begins.
+    /// Number of orders beyond the last one required at which the recurrence starts.
     const BEYOND: usize = 16;
     /// Values are rescaled before they overflow.
     const LARGEST: f64 = 1e100;
-    /// Below this argument j_1 is smaller than any rounding error.
+    /// Below this argument, j_1 is smaller than any rounding error.
     const LEAST: f64 = 1e-30;
     values.fill(0.0);
     if x < LEAST {
         values.iter_mut().take(1).for_each(|j| *j = 1.0);
         return;
     }
-    // Positive where l exceeds x, as j_l is.
+    // Positive for l > x, like j_l.
     let (mut above, mut j, mut sum) = (0.0, 1.0, 0.0);
     for l in (0..values.len() + BEYOND).rev() {
         if let Some(to) = values.get_mut(l) {
@@ -223,7 +222,7 @@ mod tests {
             spherical_bessel(x, &mut values);
             let j0 = if x < 1e-20 { 1.0 } else { x.sin() / x };
             assert!((values[0] - j0).abs() < 1e-14, "{x}: {} {j0}", values[0]);
-            // x/3 - x^3/30 where sine and cosine cancel.
+            // x/3 - x^3/30, where sine and cosine would cancel.
             let j1 = if x < 1e-2 {
                 x / 3.0 - x.powi(3) / 30.0
             } else {

@@ -1,4 +1,4 @@
-//! Second evaluation of the power of a flush surface: by the intensity on the surface, independent of the spherical
+//! Second evaluation of the power of a flush surface, from the intensity on the surface, independent of the spherical
 //! waves.
 
 use super::kernel::sinc;
@@ -15,14 +15,14 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Resistances by the intensity on a flush surface, at one frequency in each of some bands, see
+/// Resistances from the intensity on a flush surface, at one frequency in each band, see
 /// [`Rayleigh::surface_resistance`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceResistances {
     bands: Vec<Band>,
-    /// Frequencies of evaluation \[Hz\].
+    /// Frequencies at which they are evaluated \[Hz\].
     hz: Vec<f64>,
-    /// One matrix each.
+    /// One matrix for each frequency.
     resistances: Vec<PackedHermitian>,
 }
 
@@ -42,8 +42,8 @@ impl SurfaceResistances {
         Self { bands, hz, resistances }
     }
 
-    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` there: the
-    /// evaluation at the centre of a band then applies to another frequency in the band.
+    /// Converts to different air: multiplies frequencies by `speed`, and the resistance by `factor`. The evaluation at
+    /// the centre of a band then applies to another frequency of the band.
     #[must_use]
     pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
         self.hz.iter_mut().for_each(|hz| *hz *= speed);
@@ -52,7 +52,7 @@ impl SurfaceResistances {
         self
     }
 
-    /// Appends the bands of `above` that are higher.
+    /// Appends the higher bands of `above`.
     #[must_use]
     pub(crate) fn continued(mut self, above: Self) -> Self {
         let last = self.bands.last().map(|band| band.index);
@@ -71,11 +71,12 @@ impl SurfaceResistances {
         &self.bands
     }
 
-    /// Energy of each band by the surface over that by `radiation`. R/omega² of both is taken at one frequency of the
-    /// band, so that the ratio compares the evaluations and not the motion. `None` for a silent band.
+    /// For each band, the ratio of the energy from the surface to that from `radiation`. R/omega² of both is taken at
+    /// the same frequency of the band, so that the ratio compares the evaluations and not the motion. `None` for a
+    /// silent band.
     ///
     /// # Errors
-    /// A number of modes that differs.
+    /// If the number of modes differs.
     pub fn ratios(
         &self,
         radiation: &dyn ModalRadiation,
@@ -108,14 +109,16 @@ impl SurfaceResistances {
 }
 
 impl Rayleigh {
-    /// Resistance of the whole surface including moving sand at the frequency `hz`, by a sum over pairs of points.
+    /// Resistance of the complete surface, including moving sand, at the frequency `hz`, from a sum over pairs of
+    /// points.
     ///
     /// ```text
     /// R_ij = rho0 omega^2/(2 pi c0) sum_ab q_ai* K_ab q_bj        q = S phi, K_ab = sin(k r_ab)/(k r_ab)
     /// ```
     ///
-    /// It is the real part of the pressure on the surface times the velocity there. [`Rayleigh::resistance`] sums the
-    /// spherical waves that carry the power away. Both apply the same factor for absorbing sand.
+    /// It is the real part of the pressure on the surface times the velocity there. In contrast,
+    /// [`Rayleigh::resistance`] sums the spherical waves that carry the power away. Both apply the same factor for
+    /// absorbing sand.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
         let k = 2.0 * PI * hz / self.air().sound_speed;
         let (points, sources) = self.own_sources();
@@ -124,7 +127,7 @@ impl Rayleigh {
         let mut real = own_pairs(k, [&x, &y], sources);
         let mut imaginary = None;
         if let Some((sand, followers)) = self.moving_sand(hz) {
-            // The sand has many points, because waves in it are short; waves in air need fewer.
+            // The sand has many points because its waves are short; waves in air need fewer.
             let grid = Grid::new(sand.extent, k);
             let [re, im] = sand.carried(&grid, &followers);
             let places = grid.points();
@@ -137,8 +140,7 @@ impl Rayleigh {
             let mut both = DMatrix::zeros(places.len(), 2 * leaders);
             both.columns_mut(0, leaders).copy_from(&re);
             both.columns_mut(leaders, leaders).copy_from(&im);
-            // Coupling between points that follow edge points and the points of the surface, and among points that
-            // follow edge points.
+            // Coupling of the points that follow edge points with the surface and with each other.
             let on_surface = sources.transpose() * (kernel * &both);
             let within = own_pairs(k, [&sand_x, &sand_y], &both);
             let within = (&within + within.transpose()) * 0.5;
@@ -157,7 +159,7 @@ impl Rayleigh {
     }
 }
 
-/// Phi^T S K S Phi over all pairs of some points, up to its antisymmetric part, by chunks.
+/// Phi^T S K S Phi over all pairs of some points, up to its antisymmetric part, in chunks.
 fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64> {
     const CHUNK: usize = 256;
     let n = x.len();

@@ -1,4 +1,4 @@
-//! One or several bodies by boundary elements up to their highest frequency, and by the high-frequency limit above.
+//! One or several bodies, by boundary elements up to their highest frequency and by the high-frequency limit above.
 
 use super::{
     Detail, FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport,
@@ -12,7 +12,7 @@ use crate::signals::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Number of uppermost bands of boundary elements that give the error of the limit.
+/// Number of uppermost boundary-element bands from which the error of the limit is estimated.
 const JUDGED: usize = 3;
 
 /// Octaves over which pressures fade out at the upper end of single frequencies.
@@ -70,7 +70,7 @@ impl Radiator for ModalBem {
             let damping = damping[own..own + n].to_vec();
             let mut loads = FluidLoads::new(damping, body.omega(), (own, self), mass_at);
             if acts == Loading::Full {
-                // Rigid motion retains the mass that balances forces and weight.
+                // Rigid motion keeps its mass, which balances forces and weight.
                 let elastic = |mode: usize| f64::from(u8::from(body.omega()[mode] > 0.0));
                 let column = |mode: usize, omega: f64| {
                     let mass = self.added_mass(own + mode, omega / TAU);
@@ -109,9 +109,10 @@ impl Radiator for ModalBem {
     }
 }
 
-/// Uncertainty from the difference of both evaluations, and above the boundary elements from the error of the
-/// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above.
-/// Motion that standard modes of the same surface do not cover adds its bound, and so do the panels of thin gaps.
+/// Uncertainty from the difference between the two evaluations and, above the boundary elements, from the error of the
+/// high-frequency limit, which is estimated as its difference from boundary elements in their uppermost bands. The
+/// bound for motion that standard modes of the same surface do not represent is added, and so is that for panels at
+/// thin gaps.
 fn uncertainty(
     bem: &ModalBem,
     source: &SourceSpectrum,
@@ -151,9 +152,9 @@ fn uncertainty(
     }
 }
 
-/// Bound of the error in the A-weighted level \[dB\] by the motion that standard modes of the same surface do not
-/// cover; none where the radiation was solved for the body's own modes. Radiating with efficiency 1 and in phase with
-/// all else, the missing energy E_r changes the energy E by 2 sqrt(E E_r) + E_r at most.
+/// Bound on the error in the A-weighted level \[dB\] due to motion that standard modes of the same surface do not
+/// represent; none if the radiation was solved for the body's own modes. If the missing energy E_r radiates with
+/// efficiency 1 and in phase with the rest, it changes the energy E by at most 2 sqrt(E E_r) + E_r.
 fn lacking_db(bem: &ModalBem, source: &SourceSpectrum, together: &ModalSpectra) -> Option<f64> {
     let rest = SourceSpectrum {
         energy_density: bem.rest_energy(together)?,
@@ -169,7 +170,7 @@ fn lacking_db(bem: &ModalBem, source: &SourceSpectrum, together: &ModalSpectra) 
 }
 
 /// Distributes the difference between far field and surface over the patches that radiate, so that they add up to the
-/// power by the far field; returns the spectrum by the surface.
+/// far-field power; returns the spectrum from the surface.
 fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     let mut surface = source.clone();
     surface.contributions.clear();
@@ -191,15 +192,16 @@ fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     surface
 }
 
-/// Differences between evaluations of the power of one source.
+/// Differences between evaluations of the power of a source.
 struct Differences {
-    /// By the surface less by the far field, where only boundary elements are used \[dB, A-weighted\].
+    /// Surface minus far field, where only boundary elements are used \[dB, A-weighted\].
     surface_db: Option<f64>,
-    /// Smallest and largest difference of the high-frequency limit in the uppermost bands of boundary elements \[dB\].
+    /// Smallest and largest difference between the high-frequency limit and boundary elements in their uppermost bands
+    /// \[dB\].
     limit_error_db: [f64; 2],
-    /// Difference of the high-frequency limit in the uppermost third of an octave of boundary elements \[dB\].
+    /// Difference between the high-frequency limit and boundary elements in their uppermost third of an octave \[dB\].
     blend_error_db: Option<f64>,
-    /// The same in each band of the spectrum that boundary elements cover \[dB\].
+    /// Surface minus far field in each band of the spectrum that boundary elements cover \[dB\].
     by_band_db: Vec<Option<f64>>,
 }
 
@@ -237,7 +239,7 @@ fn solved(bem: &ModalBem, range: [f64; 2]) -> [f64; 2] {
     [range[0], bem.transition_hz()[0].min(range[1])]
 }
 
-/// The report of one source: its power by the far field, by the surface, with radiation efficiency 1, and by the
+/// The report of one source: its power from the far field, from the surface, with radiation efficiency 1, and from the
 /// high-frequency limit where boundary elements are available too.
 fn report(
     bem: &ModalBem,
@@ -277,10 +279,10 @@ fn report(
     }
 }
 
-/// The power by the high-frequency limit only, zero outside the range of comparison.
+/// The power from the high-frequency limit alone, zero outside the range of comparison.
 fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) -> SourceSpectrum {
     let [from, to] = bem.compared_hz();
-    // One bin on either side includes the ends.
+    // One extra bin on either side includes the ends.
     let inside: Vec<usize> = (0..together.frequency.len())
         .filter(|&bin| (0.95 * from..1.05 * to).contains(&together.frequency[bin]))
         .collect();

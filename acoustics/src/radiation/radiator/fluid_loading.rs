@@ -1,4 +1,4 @@
-//! The effects of the fluid on the modes of radiating bodies.
+//! Effects of the fluid on the modes of radiating bodies.
 
 use crate::radiation::ModalRadiation;
 use crate::radiation::fluid_loading::{FluidLoadingError, WetModes};
@@ -26,7 +26,7 @@ impl Loading {
     }
 }
 
-/// An error if a mass is to act that the method does not model.
+/// Returns an error if the mass should act but the method does not model it.
 pub(crate) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), FluidLoadingError> {
     match acts {
         Loading::Full => Err(FluidLoadingError::NoReactance { method }),
@@ -34,21 +34,21 @@ pub(crate) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), F
     }
 }
 
-/// The effects of the fluid on each mode of a body, for modal masses of 1.
+/// The effects of the fluid on each mode of a body, for unit modal mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FluidLoads {
     /// Damping ratio R_jj/(2 omega_j) at the mode's resonance in vacuum \[-\].
     pub damping: Vec<f64>,
-    /// Added mass X_jj/omega at the mode's resonance in the fluid \[-\]; none where the method gives no reactance.
+    /// Added mass X_jj/omega at the mode's resonance in the fluid \[-\]; none if the method provides no reactance.
     pub mass: Option<Vec<f64>>,
-    /// R_jj at the resonance in the fluid over that in vacuum \[-\].
+    /// Ratio of R_jj at the resonance in the fluid to that in vacuum \[-\].
     pub resistance_ratio: Vec<f64>,
-    /// The modes with the fluid's mass, where it acts on the motion.
+    /// The modes including the fluid's mass, if it acts on the motion.
     pub wet: Option<WetModes>,
 }
 
 impl FluidLoads {
-    /// Of a method that gives no reactance.
+    /// For a method that provides no reactance.
     pub(crate) fn damping_only(damping: Vec<f64>) -> Self {
         Self {
             resistance_ratio: vec![1.0; damping.len()],
@@ -58,8 +58,8 @@ impl FluidLoads {
         }
     }
 
-    /// From the damping ratios, a diagonal element of X/omega (of a mode's number, a frequency in hertz), and R_jj;
-    /// `first` is the number of the body's first mode in `radiation`.
+    /// Creates the loads from the damping ratios and from functions that return a diagonal element of X/omega (given a
+    /// mode's index and the frequency in hertz) and R_jj; `first` is the index of the body's first mode in `radiation`.
     pub(crate) fn new(
         damping: Vec<f64>,
         omega: &[f64],
@@ -90,9 +90,9 @@ impl FluidLoads {
         }
     }
 
-    /// Radiated energy of a mode with the fluid's mass over that without it.
+    /// Ratio of a mode's radiated energy with the fluid's mass to that without.
     ///
-    /// An impulse p sets the mode in motion, which then decays at its resonance:
+    /// An impulse p excites the mode, which then decays at its resonance:
     ///
     /// ```text
     /// E = (p/m)² R(w)/(4 zeta w),  m = 1 + M,  w = Omega/sqrt(m)   =>   E/E_dry = m^-3/2 R(w)/R(Omega)
@@ -102,8 +102,8 @@ impl FluidLoads {
         (1.0 + mass).powf(-1.5) * self.resistance_ratio[mode]
     }
 
-    /// Radiated energy of a mode without radiation damping over that with it, (zeta + zeta_r)/zeta for the damping
-    /// ratio zeta of the structure.
+    /// Ratio of a mode's radiated energy without radiation damping to that with it: (zeta + zeta_r)/zeta, where zeta is
+    /// the damping ratio of the structure.
     pub(crate) fn of_damping(&self, mode: usize, zeta: f64) -> f64 {
         if zeta > 0.0 {
             1.0 + self.damping[mode] / zeta

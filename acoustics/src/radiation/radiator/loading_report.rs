@@ -1,4 +1,4 @@
-//! The effects of the fluid on the sound of radiating bodies.
+//! Effects of the fluid on the sound of radiating bodies.
 
 use super::fluid_loading::Loading;
 use super::moving_body::MovingBody;
@@ -6,32 +6,32 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Change of a source's sound by fluid loading, mode by mode: each mode's share of the energy times the effect of the
-/// fluid on that mode ringing at its resonance.
+/// Change in a source's sound due to fluid loading: the sum over modes of each mode's share of the energy times the
+/// effect of the fluid on that mode, ringing at its resonance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FluidLoading {
-    /// The loading that acts on the modes.
+    /// The part of the loading that acts on the modes.
     pub acts: Loading,
-    /// Change of the A-weighted level by R as damping \[dB\]: the modes' own damping and that of radiation, contact
-    /// left aside. That which acted, or would have.
+    /// Change in the A-weighted level due to R as damping \[dB\], considering structural and radiation damping but not
+    /// contact. It is the actual change, or the change that would occur if R acted.
     pub damping_db: f64,
-    /// Change by X as mass \[dB\], as above; null where the method gives no reactance.
+    /// Change due to X as mass \[dB\], likewise; null if the method provides no reactance.
     pub mass_db: Option<f64>,
-    /// Largest added mass of a mode up to the highest frequency that boundary elements solve, relative to its own
-    /// \[-\].
+    /// Largest added mass, relative to the modal mass, of modes up to the highest frequency that boundary elements
+    /// solve \[-\].
     pub largest_mass: Option<f64>,
-    /// Largest shift of such a mode's frequency, relative \[-\]; negative.
+    /// Largest relative frequency shift of such a mode \[-\]; negative.
     pub largest_shift: Option<f64>,
 }
 
-/// Frequency with an added mass relative to that in vacuum, less one.
+/// Relative change of a frequency due to an added mass.
 pub(crate) fn shift(mass: f64) -> f64 {
     (1.0 + mass.max(0.0)).sqrt().recip() - 1.0
 }
 
 impl FluidLoading {
-    /// From the energies of all modes of all bodies, one after the other. Masses above `top_hz`, which are upper
-    /// bounds, are not among the largest. None where a body's loads are not known.
+    /// Computes the changes from the energies of all modes of all bodies, one body after another. Masses above
+    /// `top_hz`, which are upper bounds, are not considered for the largest value. None if a body's loads are unknown.
     pub(crate) fn new(bodies: &[MovingBody<'_>], energies: &[f64], top_hz: f64) -> Option<Self> {
         let total: f64 = energies.iter().sum();
         let acts = bodies.first()?.acts;
@@ -49,7 +49,7 @@ impl FluidLoading {
                 if let Some(mass) = loads.mass.as_ref().filter(|_| *omega <= TAU * top_hz) {
                     largest = Some(largest.unwrap_or(0.0).max(mass[mode]));
                 }
-                // A mode that takes sound from others does so whatever its damping.
+                // A mode that absorbs sound from others does so whatever its damping.
                 if share > 0.0 {
                     let (by_damping, by_mass) = (loads.of_damping(mode, body.zeta), loads.of_mass(mode));
                     damped += share

@@ -2,7 +2,7 @@
 //!
 //! A [`Radiator`] represents one or several bodies with their surroundings:
 //! [`ModalBem`](super::boundary_elements::ModalBem), a surface [flush with sand](super::flush::FlushRadiator), or
-//! bodies of radiation efficiency 1 ([`SeparateBodies`]). A rigid tool radiates as the [sphere](RigidSphere) of its
+//! bodies of radiation efficiency 1 ([`SeparateBodies`]). A rigid tool radiates as a [sphere](RigidSphere) of equal
 //! volume.
 
 mod boundary_elements;
@@ -30,19 +30,19 @@ use std::f64::consts::TAU;
 
 /// One or several bodies that radiate together, for example the workpiece and the table under it.
 ///
-/// Motions are given by body, in the order of construction of the radiator.
+/// Motions are given by body, in the order in which the radiator was constructed.
 pub trait Radiator: Send + Sync {
     /// Energy spectrum of the source `source`.
     ///
     /// # Errors
-    /// A number of modes that differs from the bodies', a range beyond the radiator's.
+    /// If the number of modes differs from the bodies', or the range exceeds the radiator's.
     fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError>;
 
-    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one and
-    /// the report is asked for.
+    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if available and
+    /// requested by `detail`.
     ///
     /// # Errors
-    /// As [`Self::energy`].
+    /// Same as [`Self::energy`].
     fn sound(
         &self,
         source: &'static str,
@@ -53,29 +53,29 @@ pub trait Radiator: Send + Sync {
     /// The effects of the fluid on each mode of each body.
     ///
     /// # Errors
-    /// Where the mass is to act: a method without reactance, those of
+    /// If the mass should act: an error for a method without reactance, and those of
     /// [`WetModes::new`](crate::radiation::fluid_loading::WetModes::new).
     fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError>;
 
     /// Pressures at the receivers of the radiator; `None` if only its power is known.
     ///
     /// # Errors
-    /// As [`Self::energy`].
+    /// Same as [`Self::energy`].
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError>;
 
-    /// Radiation impedance of the modes of all bodies, one body after the other; none where the method gives no
+    /// Radiation impedance of the modes of all bodies, one body after another; none if the method provides no
     /// reactance.
     fn impedance(&self) -> Option<&dyn Impedance> {
         None
     }
 }
 
-/// How much of a sound is computed.
+/// Level of detail of the sound computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// What levels need: energy, signals and uncertainty. The parts of a surface count as one.
+    /// Everything needed for levels: energy, signals and uncertainty. The parts of a surface are combined.
     Levels,
-    /// The comparisons of a report, too: other methods, shares of the modes, fluid loading.
+    /// Also the comparisons in a report: other methods, shares of the modes, fluid loading.
     Report,
 }
 
@@ -83,11 +83,11 @@ pub enum Detail {
 pub struct RadiatedSound {
     /// Energy over frequency, with the parts of the surface as contributions.
     pub spectrum: SourceSpectrum,
-    /// The same energy over time: parts of the source with their names.
+    /// The same energy over time: named parts of the source.
     pub signals: Vec<(&'static str, PowerSignals)>,
     /// Uncertainty of the method.
     pub uncertainty: Uncertainty,
-    /// The second evaluation of its power, where it was asked for.
+    /// The second evaluation of its power, if requested.
     pub report: Option<RadiationReport>,
 }
 
@@ -95,20 +95,20 @@ pub struct RadiatedSound {
 pub struct Pressures {
     /// Label of the method.
     pub method: &'static str,
-    /// \[Hz\].
+    /// Frequencies \[Hz\].
     pub frequency: Vec<f64>,
     /// Fourier transform of the pressure, receivers x frequencies \[Pa s\].
     pub values: DMatrix<Complex<f64>>,
-    /// Range over which they fade out in favour of averages without phase, if any \[Hz\].
+    /// Range over which they fade out, to be replaced by averages without phase, if any \[Hz\].
     pub fade_hz: Option<[f64; 2]>,
-    /// Range of their validity \[Hz\].
+    /// Range in which they are valid \[Hz\].
     pub range_hz: [f64; 2],
     /// Error of the interpolation over frequency, relative to the loudest mode at any receiver \[-\].
     pub interpolation_error: f64,
 }
 
-/// Damping ratio that radiation adds to modes of these angular frequencies \[rad/s\], for modal masses of 1 and zero
-/// for rigid modes:
+/// Damping ratio that radiation adds to modes with these angular frequencies \[rad/s\], for unit modal mass; zero for
+/// rigid modes:
 ///
 /// ```text
 /// zeta_j = R_jj(omega_j) / (2 omega_j)
@@ -126,7 +126,7 @@ pub fn damping_ratios(radiation: &dyn ModalRadiation, omega: &[f64]) -> Vec<f64>
 }
 
 /// Contribution of each mode to the energy of all bodies, given the energies of all modes; the static corrections of a
-/// body count as one.
+/// body are combined.
 pub(crate) fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
     let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut energies = energies.iter();

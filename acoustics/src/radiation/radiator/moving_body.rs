@@ -1,4 +1,4 @@
-//! A body in motion, as a radiator takes it.
+//! A body in motion, as input of a radiator.
 
 use super::fluid_loading::{FluidLoads, Loading};
 use crate::radiation::ModalSpectra;
@@ -10,13 +10,13 @@ pub struct MovingBody<'a> {
     pub name: &'static str,
     /// Angular frequencies of its modes, then of its static corrections \[rad/s\].
     pub omega: &'a [f64],
-    /// How many of these are modes.
+    /// Number of these that are modes.
     pub modes: usize,
     /// Damping ratio of its structure \[-\].
     pub zeta: f64,
-    /// The effects of the fluid on each, if known.
+    /// Effects of the fluid on each of them, if known.
     pub loads: Option<&'a FluidLoads>,
-    /// The part of them that acts on its motion.
+    /// The part of these effects that acts on the motion.
     pub acts: Loading,
     /// Fourier transforms of the modal accelerations.
     pub spectra: &'a ModalSpectra,

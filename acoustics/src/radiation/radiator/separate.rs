@@ -1,4 +1,4 @@
-//! Bodies of radiation efficiency 1 without interaction.
+//! Non-interacting bodies with radiation efficiency 1.
 
 use super::fluid_loading::needs_no_mass;
 use super::{Detail, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, Radiator, Uncertainty, motions};
@@ -9,13 +9,14 @@ use crate::signals::SourceSpectrum;
 
 /// Radiation efficiency of a plate near coincidence, for the upper end of the uncertainty.
 ///
-/// Chosen: that of baffled modes with three half waves along each side, whose peaks by Wallace's integral (C. E.
+/// Chosen as that of baffled modes with three half-waves along each side, whose peaks by Wallace's integral (C. E.
 /// Wallace 1972, "Radiation resistance of a rectangular panel", J. Acoust. Soc. Am. 51, 946-952) are 1.83 for a square
-/// plate and 1.72 for one twice as long as wide. Modes with five half waves peak at 2.2. One such mode at coincidence
-/// alone would exceed the upper end by 1 dB. The choice has no effect on levels, and the interval has no lower end.
+/// plate and 1.72 for one twice as long as it is wide. Modes with five half-waves peak at 2.2. A single such mode at
+/// coincidence would exceed the upper end by 1 dB. The choice has no effect on levels, and the interval has no lower
+/// end.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
 
-/// Bodies whose equivalent radiated powers are added. They have no directivity and no radiation damping: at low
+/// Bodies whose equivalent radiated powers are added. They have no directivity and no radiation damping, and at low
 /// frequencies the equivalent radiated power is far too high.
 pub struct SeparateBodies(pub Vec<(&'static str, Erp)>);
 

@@ -1,4 +1,4 @@
-//! A body in rigid motion along one axis, as the sphere of its volume.
+//! A body in rigid motion along one axis, modelled as a sphere of equal volume.
 
 use super::{RadiatedSound, RadiationBand, RadiationReport, Uncertainty};
 use crate::air::Air;
@@ -27,7 +27,7 @@ impl RigidSphere<'_> {
     /// Energy and signal of the body: a lower bound if the body also vibrates.
     ///
     /// # Errors
-    /// Those of [`rigid_body_energy`].
+    /// Same as [`rigid_body_energy`].
     pub fn sound(&self, source: &'static str) -> Result<RadiatedSound, AcousticsError> {
         let Self {
             acceleration,
@@ -50,10 +50,11 @@ impl RigidSphere<'_> {
         })
     }
 
-    /// The same with a second evaluation of the power: by the resistance of the sphere's surface, and by its far field.
+    /// Same as `sound`, with a second evaluation of the power: from the resistance of the sphere's surface, and from
+    /// its far field.
     ///
     /// # Errors
-    /// As [`Self::sound`].
+    /// Same as [`Self::sound`].
     pub fn sound_with_check(&self, source: &'static str) -> Result<RadiatedSound, AcousticsError> {
         let Self {
             acceleration,
@@ -78,8 +79,8 @@ impl RigidSphere<'_> {
     }
 }
 
-/// The report of a rigid tool as the sphere of its volume, with its power in closed form by the resistance of its
-/// surface and by its far field. With radiation efficiency 1 the surface would radiate
+/// The report of a rigid tool modelled as a sphere of equal volume, with its power in closed form from the resistance
+/// of its surface and from its far field. With radiation efficiency 1, the surface would radiate
 ///
 /// ```text
 /// E_1(f) = E(f) (4 + (k a)^4) / (k a)^4

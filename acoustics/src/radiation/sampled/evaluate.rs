@@ -1,4 +1,4 @@
-//! Energies and signals of motions from a sampled radiation resistance.
+//! Evaluates energies and signals of motions from a sampled radiation resistance.
 
 use super::{Run, SampledRadiation, per_omega2};
 use crate::radiation::operator::ModalRadiation;
@@ -86,7 +86,8 @@ impl ModalRadiation for SampledRadiation {
         side_by_side(patches, frequency.len(), &self.grid.runs(frequency), evaluate)
     }
 
-    /// In double precision: in the equations of a fluid-loaded structure other terms cancel most of it.
+    /// Evaluated in double precision, because other terms cancel most of it in the equations of a fluid-loaded
+    /// structure.
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let runs = self.grid.runs(frequency);
         let rows = self.rows_of(&runs, |sample| Cow::Owned(self.samples[sample].summed()));
@@ -105,8 +106,8 @@ impl ModalRadiation for SampledRadiation {
         side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
 
-    /// S is interpolated as Q is, entry by entry with the same polynomials; below the lowest sample it is D S(f_0) with
-    /// the power laws D on the diagonal, whose energy is exact.
+    /// S is interpolated like Q, entry by entry with the same polynomials. Below the lowest sample it is D S(f_0),
+    /// where D is the diagonal matrix of the power laws; its energy is exact.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let runs = self.grid.runs(frequency);
         let stored = |sample: usize| self.roots.get(sample).and_then(Option::as_ref);
@@ -120,10 +121,10 @@ impl ModalRadiation for SampledRadiation {
     }
 }
 
-/// A packed row for every sample that is needed, by index.
+/// A packed row for each sample needed, by index.
 type Rows<'a, T> = BTreeMap<usize, Cow<'a, [T]>>;
 
-/// Evaluates the blocks of all runs in parallel and joins them in the order of their bins.
+/// Evaluates all runs in parallel and joins the results in the order of their bins.
 fn side_by_side<T: ComplexField>(
     rows: usize,
     bins: usize,
@@ -139,9 +140,9 @@ fn side_by_side<T: ComplexField>(
 }
 
 impl SampledRadiation {
-    /// Interpolates a quantity that is linear in the accelerations of the modes (modes x bins) and given at the samples
-    /// of R (rows x modes each); rows x bins. Below the lowest sample the amplitude of every mode follows the power law
-    /// of its resistance.
+    /// Interpolates a quantity that is linear in the modal accelerations (modes x bins) and given at the samples of R
+    /// (rows x modes each); returns rows x bins. Below the lowest sample the amplitude of every mode follows the power
+    /// law of its resistance.
     pub(crate) fn interpolated(
         &self,
         frequency: &[f64],
@@ -161,14 +162,14 @@ impl SampledRadiation {
         side_by_side(rows, frequency.len(), &self.grid.runs(frequency), evaluate)
     }
 
-    /// The motion at the bins of a run, below the lowest sample by the power laws of the modes.
+    /// The motion in the bins of a run, scaled by the modes' power laws below the lowest sample.
     fn motion(&self, run: &Run, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut motion = accelerations.columns(run.bins.start, run.bins.len()).into_owned();
         self.extrapolate(run, frequency, &mut motion);
         motion
     }
 
-    /// Multiplies every mode's amplitude by its power law where a run lies below the lowest sample.
+    /// Multiplies each mode's amplitude by its power law if a run lies below the lowest sample.
     fn extrapolate(&self, run: &Run, frequency: &[f64], motion: &mut DMatrix<Complex<f64>>) {
         if run.interval.is_none() {
             for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[run.bins.clone()]) {
@@ -179,7 +180,7 @@ impl SampledRadiation {
         }
     }
 
-    /// Rows of all samples that some runs need.
+    /// Rows of all samples needed by some runs.
     fn rows_of<'a, T: Clone + Send + Sync>(
         &self,
         runs: &[Run],
@@ -191,14 +192,15 @@ impl SampledRadiation {
         wanted.par_iter().map(|&sample| (sample, row(sample))).collect()
     }
 
-    /// Whether a sample of a run has an imaginary part: where sand moves in a part of the range only, only some have.
+    /// Whether any sample of a run has an imaginary part; if sand moves only in part of the range, not all samples have
+    /// one.
     fn is_skew(&self, run: &Run) -> bool {
         let nodes = self.grid.nodes(run.interval);
         nodes.iter().any(|&node| self.samples[node].is_skew())
     }
 
-    /// omega^power times M / omega^power interpolated between rows of matrices, in a column for each bin of a run. This
-    /// factor brings them within the range of single precision.
+    /// omega^power times M / omega^power, interpolated between rows of matrices, with one column for each bin of a run.
+    /// This scaling keeps values within the range of single precision.
     fn matrices<T: RealField + Copy>(&self, rows: &Rows<'_, T>, power: i32, run: &Run, frequency: &[f64]) -> Mat<T> {
         let hz = &frequency[run.bins.clone()];
         let nodes = self.grid.nodes(run.interval);

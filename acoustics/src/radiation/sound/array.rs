@@ -1,17 +1,17 @@
 use crate::checks::{InputError, positive};
 use nalgebra::{Point3, Vector3};
 
-/// The parallelepiped of ISO 3744 around a device, with the nine microphones that EN 12549 puts on it.
+/// The box of ISO 3744 around a device, with the nine microphones that EN 12549 places on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iso3744Box {
-    /// Half sides a and b, and height c above the reflecting plane \[m\].
+    /// Half side lengths a and b, and height c above the reflecting plane \[m\].
     pub sides: [f64; 3],
 }
 
-/// Distance of the surface from the device, a = b = c - h \[m\] (EN 12549).
+/// Distance between measurement surface and device, a = b = c - h \[m\] (EN 12549).
 const DISTANCE: f64 = 1.0;
 
-/// The positions as multiples of a, b and c.
+/// The positions in units of a, b and c.
 const POSITIONS: [[f64; 3]; 9] = [
     [1.0, 0.0, 0.5],
     [0.0, 1.0, 0.5],
@@ -25,20 +25,21 @@ const POSITIONS: [[f64; 3]; 9] = [
 ];
 
 impl Iso3744Box {
-    /// Around a device whose centre is `height` \[m\] above the reflecting plane: a = b = 1 m, c = h + 1 m (EN 12549).
+    /// The box around a device whose centre is `height` \[m\] above the reflecting plane: a = b = 1 m, c = h + 1 m (EN
+    /// 12549).
     pub fn around(height: f64) -> Self {
         Self {
             sides: [DISTANCE, DISTANCE, DISTANCE + height],
         }
     }
 
-    /// The microphones relative to the foot of the device's axis on the reflecting plane \[m\].
+    /// The microphones relative to the base of the device's axis on the reflecting plane \[m\].
     pub fn positions(&self) -> [Vector3<f64>; 9] {
         let [a, b, c] = self.sides;
         POSITIONS.map(|[x, y, z]| Vector3::new(a * x, b * y, c * z))
     }
 
-    /// Microphone positions around an axis whose foot is at `foot` \[m\].
+    /// Microphone positions around an axis with its base at `foot` \[m\].
     pub fn positions_around(&self, foot: Point3<f64>) -> Vec<Point3<f64>> {
         self.positions().iter().map(|offset| foot + offset).collect()
     }
@@ -54,8 +55,8 @@ impl Iso3744Box {
 /// 3744).
 const BACKGROUND: [f64; 2] = [6.0, 15.0];
 
-/// Correction for background noise, K1 \[dB\], for a source with its background `difference` \[dB\] above the
-/// background: 0 above 15 dB, and `None` below 6 dB, where the measurement is not valid.
+/// Background correction K1 \[dB\] for a level with source and background that is `difference` \[dB\] above the
+/// background alone: 0 above 15 dB, and `None` below 6 dB, where the measurement is invalid.
 ///
 /// ```text
 /// K1 = -10 lg(1 - 10^(-0.1 dL))
@@ -69,8 +70,8 @@ pub fn background_correction(difference: f64) -> Option<f64> {
     (difference >= BACKGROUND[0]).then(|| -10.0 * (1.0 - 10f64.powf(-0.1 * difference)).log10())
 }
 
-/// Correction for the room, K2 \[dB\], of a measurement surface of `area` \[m²\] in a room with the equivalent
-/// absorption area `absorption` \[m²\].
+/// Environmental correction K2 \[dB\] for a measurement surface of `area` \[m²\] in a room with equivalent absorption
+/// area `absorption` \[m²\].
 ///
 /// ```text
 /// K2 = 10 lg(1 + 4 S / A)
@@ -79,7 +80,7 @@ pub fn background_correction(difference: f64) -> Option<f64> {
 /// ISO 3744:2010, A.3.
 ///
 /// # Errors
-/// Areas that are not positive.
+/// If an area is not positive.
 pub fn environmental_correction(area: f64, absorption: f64) -> Result<f64, InputError> {
     let ratio = positive("measurement surface [m2]", area)? / positive("absorption area of the room [m2]", absorption)?;
     Ok(10.0 * (1.0 + 4.0 * ratio).log10())

@@ -1,11 +1,11 @@
-//! Energies of the sound of a shot in frequency bands, at points and per solid angle.
+//! Energies of a shot's sound in frequency bands, at points and per solid angle.
 
 use super::fields::Field;
 use crate::radiation::ModalSpectra;
 use crate::signals::Band;
 use nalgebra::{DMatrix, Point3, Vector3};
 
-/// Widest range that one polynomial serves, as a ratio of frequencies.
+/// Widest range covered by one polynomial, as a ratio of frequencies.
 const WIDEST: f64 = 4.0;
 
 /// Points and far-field directions at which the sound of a body is computed.
@@ -13,21 +13,21 @@ const WIDEST: f64 = 4.0;
 pub struct FieldPoints<'a> {
     /// Points \[m\].
     pub points: &'a [Point3<f64>],
-    /// Directions, unit vectors.
+    /// Directions as unit vectors.
     pub directions: &'a [Vector3<f64>],
 }
 
-/// The sound of a shot around a body, band by band.
+/// The sound of a shot around a body, in bands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandSound {
     /// Sound exposure 2 int |p|² df, points x bands \[Pa² s\].
     pub exposure: DMatrix<f64>,
     /// Energy per solid angle in the far field, directions x bands \[J/sr\].
     pub directivity: DMatrix<f64>,
-    /// Estimated error of interpolation over frequency, relative to its largest value per unit of any mode's
+    /// Estimated error of interpolation over frequency, relative to the largest value per unit of any mode's
     /// acceleration.
     pub error: f64,
-    /// Frequencies at which the field was computed.
+    /// Number of frequencies at which the field was computed.
     pub samples: usize,
 }
 
@@ -56,8 +56,8 @@ impl BandSound {
     }
 }
 
-/// Groups of neighbouring bands with one polynomial each: no wider than [`WIDEST`]; bands that satisfy `alone` form
-/// separate groups.
+/// Groups of adjacent bands that share a polynomial, no wider than [`WIDEST`]; bands that satisfy `alone` form separate
+/// groups.
 pub(crate) fn groups(bands: &[Band], alone: impl Fn(&Band) -> bool) -> Vec<&[Band]> {
     let mut groups = Vec::new();
     let mut rest = bands;
@@ -75,14 +75,14 @@ pub(crate) fn bins_of(weights: &[f64]) -> Vec<usize> {
     (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect()
 }
 
-/// Modal accelerations at some bins.
+/// Modal accelerations in some bins.
 pub(crate) fn of_bins(spectra: &ModalSpectra, bins: &[usize]) -> Field {
     Field::from_fn(spectra.accelerations.nrows(), bins.len(), |mode, b| {
         spectra.accelerations[(mode, bins[b])]
     })
 }
 
-/// Sum over the bins (columns) of w |x|², row by row.
+/// Sum over the bins (columns) of w |x|², by row.
 pub(crate) fn squares(values: &Field, weights: &[f64]) -> Vec<f64> {
     let of_row = |row: usize| {
         weights

@@ -2,21 +2,21 @@ use nailnoise_meshes::gauss_legendre;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Directions on rings of equal height, for plots and integrals over a sphere or over its half above a floor.
+/// Directions on rings of constant height, for plots and for integrals over a sphere or over its half above a floor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Directions {
-    /// Unit vectors, ring after ring from below.
+    /// Unit vectors, ring by ring from the lowest.
     pub vectors: Vec<Vector3<f64>>,
     /// Solid angle of each direction \[sr\].
     pub weights: Vec<f64>,
-    /// Directions of a ring.
+    /// Number of directions per ring.
     pub around: usize,
 }
 
 impl Directions {
-    /// Gauss points in the height on `rings` rings, equal angles on each. Spherical harmonics are integrated exactly up
-    /// to order `around` - 1, and up to 2 `rings` - 1, twice as high on the half sphere for functions even in the
-    /// height.
+    /// Gauss points in height on `rings` rings, with equally spaced angles on each. Spherical harmonics are integrated
+    /// exactly up to order `around` - 1 and up to 2 `rings` - 1; the latter is twice as high on the half sphere for
+    /// functions that are even in height.
     pub fn new(rings: usize, around: usize, half: bool) -> Self {
         let rule = gauss_legendre(if half { 2 * rings } else { rings });
         let mut all = Self {

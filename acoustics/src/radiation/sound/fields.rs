@@ -9,37 +9,38 @@ use std::f64::consts::PI;
 /// Largest estimated interpolation error, relative to the largest entry of a field.
 const TOLERANCE: f64 = 1e-3;
 
-/// Samples added to an interval at a time.
+/// Number of samples added to an interval at a time.
 const ROUND: usize = 4;
 
-/// Most samples of a range.
+/// Largest number of samples in a range.
 const MOST: usize = 2000;
 
-/// Most half waves over the frequencies of one interval.
+/// Largest number of half-waves over the frequencies of one interval.
 const HALF_WAVES: f64 = 40.0;
 
 /// A field at many places (rows) per unit of the modes' accelerations (columns).
 pub(crate) type Field = DMatrix<Complex<f64>>;
 
-/// Several fields sampled at the same frequencies.
+/// Several fields, sampled at the same frequencies.
 pub(crate) struct Fields {
     grid: Grid,
-    /// Sample by sample, all fields.
+    /// All fields, by sample.
     samples: Vec<Vec<Field>>,
 }
 
 impl Fields {
-    /// Samples the fields given by `at`. The travel times that remain in the fields correspond to paths between -`path`
-    /// and `path` \[m\].
+    /// Samples the fields given by `at`. The travel times that remain in the fields correspond to path lengths between
+    /// -`path` and `path` \[m\].
     ///
     /// # Errors
-    /// Those of `at`, and [`SamplingError`](crate::SamplingError).
+    /// Errors of `at`, and [`SamplingError`](crate::SamplingError).
     pub(crate) fn new(
         [low, high]: [f64; 2],
         (path, sound_speed): (f64, f64),
         at: impl Fn(f64) -> Result<Vec<Field>, AcousticsError> + Sync,
     ) -> Result<Self, AcousticsError> {
-        // e^{jkr} over a range has as many half waves as a polynomial of order tau = (k_2 - k_1) r / 2 can follow.
+        // The number of half-waves of e^{jkr} over a range must not exceed what a polynomial of order tau = (k_2 - k_1)
+        // r / 2 can represent.
         let tau = PI * (high - low) * path / sound_speed;
         let count = (tau / HALF_WAVES).ceil();
         let part = |i: usize| low + (high - low) * i as f64 / count;
@@ -62,7 +63,7 @@ impl Fields {
         Ok(Self { grid, samples })
     }
 
-    /// Frequencies sampled.
+    /// Number of frequencies sampled.
     pub(crate) fn samples(&self) -> usize {
         self.samples.len()
     }

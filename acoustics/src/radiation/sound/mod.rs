@@ -1,9 +1,9 @@
-//! Sound at points around a device: pressures, signals over time, and levels by the procedure of the standard.
+//! Sound at points around a device: pressures, time signals, and levels by the procedure of the standard.
 //!
 //! A source with known phases gives the complex pressure at every point: boundary elements with
 //! [`Receivers`](super::boundary_elements::Receivers), a flush surface by
 //! [`SoundAbovePlane`](super::flush::SoundAbovePlane), an oscillating sphere by [`oscillating_sphere_pressure`]. A
-//! source with known energy only is treated as [omnidirectional](omnidirectional_transfer).
+//! source of which only the energy is known is treated as [omnidirectional](omnidirectional_transfer).
 //! [`ChirpTransform`](crate::signals::ChirpTransform) converts spectra to signals.
 
 mod array;
@@ -23,7 +23,7 @@ pub use sphere::{oscillating_sphere_pressure, rigid_body_far_field};
 
 use nalgebra::Point3;
 
-/// The image of a point in the horizontal plane at the height `plane`.
+/// The mirror image of a point in the horizontal plane at height `plane`.
 fn image(place: Point3<f64>, plane: f64) -> Point3<f64> {
     Point3::new(place.x, place.y, 2.0 * plane - place.z)
 }

@@ -4,32 +4,32 @@ use crate::checks::{ReceiverError, positive};
 use nalgebra::{Complex, Point3};
 use std::f64::consts::PI;
 
-/// Transfer from the energy of an omnidirectional source to the exposure at a point, and the delay.
+/// Transfer from the energy of an omnidirectional source to the sound exposure at a point, with the delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OmnidirectionalTransfer {
-    /// Sound exposure over sound energy \[Pa² s / J\].
+    /// Ratio of sound exposure to sound energy \[Pa² s / J\].
     pub exposure_per_energy: f64,
     /// Travel time \[s\].
     pub delay: f64,
 }
 
 impl OmnidirectionalTransfer {
-    /// The pressure of a signal x with E = 2 |x|² \[Pa s\].
+    /// The pressure due to a signal x with E = 2 |x|² \[Pa s\].
     pub fn pressure(&self, hz: f64, signal: Complex<f64>) -> Complex<f64> {
         signal * Complex::from_polar(self.exposure_per_energy.sqrt(), -2.0 * PI * hz * self.delay)
     }
 }
 
-/// Transfer from an omnidirectional source of known energy to a point; the energy of the floor reflection is added.
+/// Transfer from an omnidirectional source of known energy to a point, including the energy of the floor reflection.
 ///
 /// ```text
 /// E_p = E rho0 c0 / (4 pi) (1/r^2 + 1/r'^2)
 /// ```
 ///
-/// The result contains no directivity: levels at an array of microphones give no information about it.
+/// The result contains no directivity, so differences between microphones of an array carry no information about it.
 ///
 /// # Errors
-/// A point at the source, or below the floor.
+/// If the point is at the source or below the floor.
 pub fn omnidirectional_transfer(
     centre: Point3<f64>,
     place: Point3<f64>,

@@ -7,8 +7,8 @@ use crate::signals::fourier::{Transform, TransformSettings};
 use nalgebra::{Complex, Point3, Vector3};
 use std::f64::consts::PI;
 
-/// Pressure at a point per unit acceleration of a rigid sphere along `axis`, with its image in a rigid floor at the
-/// height `floor` if there is one \[Pa per m/s²\].
+/// Pressure at a point per unit acceleration of a rigid sphere along `axis`, with its image in a rigid floor at height
+/// `floor` if there is one \[Pa per m/s²\].
 ///
 /// ```text
 /// p = rho0 A a^3 cos(theta) (1 + jkr) e^{-jk(r - a)} / (r^2 (2 + 2 jka - (ka)^2))
@@ -18,10 +18,10 @@ use std::f64::consts::PI;
 /// [`crate::radiation::rigid_body_energy`]. The image moves as the mirror image of the sphere; scattering between the
 /// two is neglected.
 ///
-/// `volume` is the sphere's \[m³\], `axis` any length above zero.
+/// `volume` is that of the sphere \[m³\]; `axis` may have any positive length.
 ///
 /// # Errors
-/// A volume or axis that is not positive, a point inside the sphere or below the floor.
+/// If the volume is not positive, the axis has no length, or the point is inside the sphere or below the floor.
 pub fn oscillating_sphere_pressure(
     hz: f64,
     volume: f64,
@@ -61,22 +61,23 @@ pub fn oscillating_sphere_pressure(
     Ok(direct + of_sphere(image(centre, floor), Vector3::new(axis.x, axis.y, -axis.z))?)
 }
 
-/// Wavelengths at which the pressure of a sphere is that of the far field: the near field adds 1/(kr)² to its square.
+/// Distance in wavelengths at which the pressure of a sphere counts as far field: the near field adds a fraction
+/// 1/(kr)² to its square.
 const FAR: f64 = 1e3;
 
-/// Rings of directions over which the far field is integrated: Gauss points, exact for the square of a cosine from two
-/// on.
+/// Number of rings of directions over which the far field is integrated: Gauss points, exact for the square of a cosine
+/// from two rings upwards.
 const RINGS: usize = 4;
 
-/// The energy of [`crate::radiation::rigid_body_energy`] from the field instead of from the surface's resistance: the
-/// pressure far away in free space, integrated over all directions.
+/// The energy of [`crate::radiation::rigid_body_energy`], computed from the field instead of the surface's resistance:
+/// the pressure far away in free space, integrated over all directions.
 ///
 /// ```text
 /// E(f) = 2 r^2 / (rho0 c0) int |p|^2 dOmega
 /// ```
 ///
 /// # Errors
-/// As [`crate::radiation::rigid_body_energy`].
+/// Same as [`crate::radiation::rigid_body_energy`].
 pub fn rigid_body_far_field(
     source: impl Into<String>,
     acceleration: &[f64],

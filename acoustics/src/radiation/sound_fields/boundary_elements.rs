@@ -1,4 +1,4 @@
-//! The field of a body by boundary elements.
+//! The field of a body by the boundary element method.
 
 use super::planes::{Cuts, in_planes};
 use super::sphere::{SPHERE, sphere, sums};
@@ -13,9 +13,9 @@ use crate::radiation::{ModalSpectra, radiated_energy};
 use crate::signals::Band;
 use nalgebra::{Point3, Vector3};
 
-/// One or several bodies as one surface, solved by boundary elements.
+/// One or several bodies as a single surface, solved by boundary elements.
 pub struct SolvedSurface<'a> {
-    /// Its source.
+    /// Name of its source.
     pub source: &'static str,
     /// Prefix of the names of its fields.
     pub prefix: &'static str,
@@ -25,14 +25,14 @@ pub struct SolvedSurface<'a> {
     pub bem: &'a ModalBem,
     /// Its motion.
     pub spectra: &'a ModalSpectra,
-    /// Origin of its axes in those of the planes \[m\].
+    /// Origin of its axes in the coordinates of the planes \[m\].
     pub at: Vector3<f64>,
 }
 
 /// Computes the field of a body in the bands below the end of single frequencies.
 ///
 /// # Errors
-/// Those of the boundary elements.
+/// Errors of the boundary elements.
 pub fn boundary_element_field(body: SolvedSurface<'_>, cuts: &Cuts) -> Result<SoundField, AcousticsError> {
     let SolvedSurface {
         source,

@@ -19,7 +19,7 @@ const EXPOSURE: f64 = 4e-10;
 /// Reference of velocity exposure, (50 nm/s)² over 1 s \[m2/s\].
 const VELOCITY: f64 = 2.5e-15;
 
-/// Levels shown below the highest of a field \[dB\].
+/// Range of levels shown below the highest of a field \[dB\].
 const SHOWN: f64 = 60.0;
 
 const PRESSURE: &str = "sound exposure level [dB re (20 uPa)2 s]";
@@ -29,7 +29,7 @@ const MOTION: &str = "velocity exposure level [dB re (50 nm/s)2 s]";
 pub struct SoundField {
     /// Surfaces with fields.
     pub series: Vec<FieldSeries>,
-    /// Frequencies at which the field is computed.
+    /// Number of frequencies at which the field is computed.
     pub samples: usize,
     /// Error of the interpolation between them, relative to the largest value of the field \[-\].
     pub error: f64,
@@ -39,14 +39,14 @@ pub struct SoundField {
     pub balances: Vec<(&'static str, f64)>,
 }
 
-/// One surface with fields, band by band.
+/// A surface with fields, by band.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FieldSeries {
     /// Its name.
     pub name: String,
     /// Shapes that bands refer to.
     pub shapes: Vec<FieldShape>,
-    /// The bands, rising.
+    /// The bands, in ascending order.
     pub bands: Vec<BandField>,
 }
 
@@ -64,15 +64,15 @@ pub struct FieldShape {
 pub struct BandField {
     /// Nominal mid-band frequency \[Hz\].
     pub hz: f64,
-    /// Number of its shape.
+    /// Index of its shape.
     pub shape: usize,
-    /// Fields on the points: name with unit, values.
+    /// Fields on the points: name with unit, and values.
     pub points: Vec<(String, Vec<f64>)>,
     /// Fields on the polygons.
     pub polygons: Vec<(String, Vec<f64>)>,
 }
 
-/// Complete bands within the frequencies of a spectrum, below a top frequency.
+/// Complete bands within the frequencies of a spectrum and below a top frequency.
 pub(crate) fn bands(spectra: &ModalSpectra, top: f64) -> Vec<Band> {
     let [low, high] = spectra.range_hz;
     let whole = |b: &Band| b.low >= low * (1.0 - 1e-9) && b.high <= high.min(top) * (1.0 + 1e-9);
@@ -85,12 +85,12 @@ pub(crate) fn energies(source: &SourceSpectrum, bands: &[Band]) -> Vec<f64> {
     bands.iter().map(energy).collect()
 }
 
-/// Energy in a field over that of its source, both over all bands \[dB\].
+/// Energy in a field relative to that of its source, both over all bands \[dB\].
 pub(crate) fn balance(found: &[f64], radiated: &[f64]) -> f64 {
     10.0 * (found.iter().sum::<f64>() / radiated.iter().sum::<f64>()).log10()
 }
 
-/// 10 lg of values over a reference, no lower than a floor below the highest.
+/// 10 lg of values relative to a reference, limited to a floor below the highest.
 fn decibels(values: impl Iterator<Item = f64> + Clone, reference: f64) -> Vec<f64> {
     let floor = values.clone().fold(f64::MIN_POSITIVE, f64::max) * 10f64.powf(-0.1 * SHOWN);
     values.map(|v| 10.0 * (v.max(floor) / reference).log10()).collect()

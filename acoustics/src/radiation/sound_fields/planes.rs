@@ -1,4 +1,4 @@
-//! Fields in vertical planes through the driving axis, and in a horizontal plane above the workpiece.
+//! Fields in vertical planes through the driving axis and in a horizontal plane above the workpiece.
 
 use super::{BandField, EXPOSURE, FieldSeries, FieldShape, PRESSURE, decibels};
 use crate::radiation::sound::BandSound;
@@ -6,16 +6,16 @@ use crate::signals::Band;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-/// Half side of the planes \[m\].
+/// Half side length of the planes \[m\].
 const HALF_SIDE: f64 = 1.0;
 
 /// Height of the vertical planes above the workpiece \[m\].
 const ABOVE: f64 = 1.0;
 
-/// Height of the horizontal plane above the workpiece \[m\], sufficient for the element size of all its meshes.
+/// Height of the horizontal plane above the workpiece \[m\]; large enough for the element size of all its meshes.
 const LEVEL: f64 = 0.1;
 
-/// Distance of neighbouring points of a plane \[m\].
+/// Spacing of the points of a plane \[m\].
 const SPACING: f64 = 0.06;
 
 /// Positions of the planes.
@@ -48,7 +48,7 @@ impl Cuts {
     }
 }
 
-/// Levels of the pressure in planes.
+/// Pressure levels in planes.
 pub(crate) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<FieldSeries> {
     let mut first = 0;
     let of_plane = |plane: &Plane| {
@@ -76,10 +76,10 @@ pub(crate) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands
     planes.iter().map(of_plane).collect()
 }
 
-/// A grid of points in a plane; some may be left out.
+/// A grid of points in a plane; some points may be omitted.
 pub(crate) struct Plane {
     name: &'static str,
-    /// Columns of the grid, and its points row by row.
+    /// Number of columns of the grid, and its points row by row.
     columns: usize,
     grid: Vec<Point3<f64>>,
     shown: Vec<bool>,

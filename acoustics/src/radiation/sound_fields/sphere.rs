@@ -5,7 +5,8 @@ use crate::radiation::sound::{BandSound, Directions};
 use crate::signals::Band;
 use nalgebra::Point3;
 
-/// Rings of the half sphere, and directions of each: they integrate the far field of a body of k a = 46.
+/// Number of rings of the half sphere, and of directions on each: they integrate the far field of a body up to k a =
+/// 46.
 pub(crate) const SPHERE: [usize; 2] = [24, 96];
 
 /// Radius of the plotted half sphere \[m\].
@@ -18,7 +19,7 @@ pub(crate) fn sums(found: &BandSound, directions: &Directions) -> Vec<f64> {
     found.directivity.column_iter().map(of_band).collect()
 }
 
-/// The sphere of directions or its upper half, around a point.
+/// The sphere of directions, or its upper half, around a point.
 pub(crate) fn sphere(
     prefix: &str,
     directions: &Directions,

@@ -8,11 +8,11 @@ use nailnoise_meshes::{Surface, open_faces};
 use nalgebra::{DMatrix, Vector3};
 
 /// Velocity of the surface of a body, given the displacement of its points in each mode (3 points x modes), and the
-/// energy that it would radiate with efficiency 1 where exposed to the open air. `at` is the origin of the axes of the
+/// energy that the parts exposed to the open air would radiate with efficiency 1. `at` is the origin of the axes of the
 /// body \[m\].
 ///
 /// # Errors
-/// Those of the surface.
+/// Errors of the surface.
 pub fn velocity_field(
     name: &str,
     (surface, shapes): (&Surface, &DMatrix<f32>),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 
-/// Transforms of real records, forwards and back.
+/// Forward and inverse transforms of real records.
 #[derive(Clone)]
 pub struct RealTransform {
     length: usize,
@@ -14,7 +14,7 @@ pub struct RealTransform {
 }
 
 impl RealTransform {
-    /// For records of up to `length` samples.
+    /// Plans transforms for records of up to `length` samples.
     pub fn new(length: usize) -> Self {
         let mut planner = RealFftPlanner::new();
         Self {

@@ -1,4 +1,4 @@
-//! Adaptive sampling: rounds of samples are added until the interpolant predicts them.
+//! Adaptive sampling: samples are added in rounds until the interpolant predicts them.
 
 use super::error::SamplingError;
 use super::grid::Grid;
@@ -8,7 +8,7 @@ use crate::error::AcousticsError;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Widest useful interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower
+/// Widest useful interval of a polynomial, as a ratio of frequencies: over a wider one, the small values at its lower
 /// end are lost in the rounding of those at its upper end.
 pub(crate) const WIDEST: f64 = 4.0;
 
@@ -17,17 +17,17 @@ pub(crate) const WIDEST: f64 = 4.0;
 pub(crate) struct Plan {
     /// Largest estimated error.
     pub(crate) tolerance: f64,
-    /// Samples added to an interval at a time.
+    /// Number of samples added to an interval at a time.
     pub(crate) round: usize,
     /// Largest total number of samples.
     pub(crate) most_samples: usize,
-    /// Whether zero is a first approximation, as for a small correction.
+    /// Whether zero is a valid first approximation, as for a small correction.
     pub(crate) near_zero: bool,
-    /// Whether the last round itself must lie within the tolerance, without an estimate of its convergence.
+    /// Whether the last round itself must be within the tolerance, without extrapolating its convergence.
     pub(crate) cautious: bool,
 }
 
-/// A range of frequencies \[Hz\], both ends included.
+/// A range of frequencies, including both ends \[Hz\].
 pub(crate) type Range = [f64; 2];
 
 /// An interval to be sampled.
@@ -36,15 +36,16 @@ pub(crate) struct Piece {
     pub(crate) range: Range,
     /// Frequencies with which its sequence of samples begins \[Hz\].
     pub(crate) known: Vec<f64>,
-    /// Number of samples at which it is complete, whatever the error; `None` if it is halved when it needs too many
-    /// samples.
+    /// Number of samples at which it counts as complete, whatever the error; `None` if it is halved when it needs too
+    /// many samples.
     pub(crate) complete: Option<usize>,
 }
 
-/// Divides a range into intervals, none wider than a ratio of frequencies, with ends at the kinks of the quantity.
+/// Divides a range into intervals, none wider than a given ratio of frequencies, with ends at the kinks of the
+/// quantity.
 ///
 /// # Errors
-/// An empty range.
+/// If the range is empty.
 pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<Vec<Piece>, SamplingError> {
     if !(low > 0.0 && high > low && high.is_finite()) {
         return Err(SamplingError::EmptyRange { low, high });
@@ -63,8 +64,8 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
     Ok(edges.windows(2).map(piece).collect())
 }
 
-/// Takes the samples of a round in parallel, one frequency per task, because all take equally long. The error is that
-/// of the first frequency that has one.
+/// Takes the samples of a round in parallel, one frequency per task, because all take equally long. The error returned
+/// is that of the first frequency that fails.
 pub(crate) fn each<T: Send>(
     take: impl Fn(f64) -> Result<T, AcousticsError> + Sync,
 ) -> impl Fn(&[f64]) -> Result<Vec<T>, AcousticsError> + Sync {
@@ -74,20 +75,20 @@ pub(crate) fn each<T: Send>(
     }
 }
 
-/// Samples every piece. `take` gives the samples at the frequencies of a round; `misfit` gives the distance of the test
-/// samples of an interval from the interpolant through the others, relative to the sampled quantity.
+/// Samples every piece. `take` returns the samples at the frequencies of a round; `misfit` returns the difference
+/// between the test samples of an interval and the interpolant through the others, relative to the sampled quantity.
 ///
-/// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one agrees to the tolerance
-/// with the polynomial without it. The polynomial through all samples is more accurate; [`Grid::error`] assumes that
-/// its error decreases by the same factor as in the previous round, at most by ten.
+/// Each interval begins with two rounds of the Leja sequence. Rounds are added until the last one agrees within the
+/// tolerance with the polynomial that excludes it. The polynomial through all samples is more accurate; [`Grid::error`]
+/// assumes that its error decreases by the same factor as in the previous round, but by at most ten.
 ///
-/// A piece is halved once it has the largest number of samples of one polynomial. It is halved earlier, from half that
-/// number on, if the convergence of the last two rounds shows that the full number would not meet the tolerance. The
-/// narrower a resonance is relative to the interval, the more slowly a polynomial converges. The sequences of the
-/// halves begin with the samples inside them. Leja's rule adds those that the new end needs.
+/// An interval is halved when it reaches the largest number of samples per polynomial. From half that number upwards,
+/// it is halved earlier if the convergence of the last two rounds shows that the full number would not meet the
+/// tolerance. A polynomial converges more slowly, the narrower a resonance is relative to the interval. The sequences
+/// of the halves begin with the existing samples inside them. Leja's rule then adds those that the new end requires.
 ///
 /// # Errors
-/// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.
+/// If the tolerance is not positive; [`SamplingError::Unresolved`]; errors of `take`.
 pub(crate) fn sample<T: Send + Sync>(
     pieces: &[Piece],
     plan: &Plan,
@@ -152,7 +153,8 @@ pub(crate) fn sample<T: Send + Sync>(
                 }
                 .into());
             } else if count + plan.round <= MOST && promising {
-                // The first round of a half lies near its new end: its misfit is not yet that of the interval.
+                // The first round of a half is near its new end, so its misfit is not yet representative of the
+                // interval.
                 let first_of_half = !piece.known.is_empty() && count <= piece.known.len() + plan.round;
                 let before = (!first_of_half || piece.complete.is_some()).then_some(found);
                 next.push((piece, count + plan.round, before));

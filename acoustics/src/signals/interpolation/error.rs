@@ -11,7 +11,7 @@ pub enum SamplingError {
         /// Upper end \[Hz\].
         high: f64,
     },
-    /// The radiation matrix was not resolved over frequency with the samples allowed.
+    /// The radiation matrix was not resolved over frequency with the allowed number of samples.
     #[error(
         "the radiation matrix near {hz:.0} Hz is interpolated with error {error:.1e} after {samples} samples, \
          above the tolerance {tolerance:.1e}; allow more samples or a larger tolerance"
@@ -21,9 +21,9 @@ pub enum SamplingError {
         hz: f64,
         /// Its estimated relative error.
         error: f64,
-        /// Samples taken.
+        /// Number of samples taken.
         samples: usize,
-        /// Error asked for.
+        /// Tolerance.
         tolerance: f64,
     },
 }

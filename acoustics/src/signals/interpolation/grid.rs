@@ -1,4 +1,4 @@
-//! Samples over frequency, and quantities linear in modal motions between them.
+//! Samples over frequency, and interpolation of quantities that are linear in modal motions.
 
 use super::interval::{Interval, extrapolated};
 use faer::linalg::matmul::matmul;
@@ -7,21 +7,21 @@ use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Bins evaluated together.
+/// Number of bins evaluated together.
 const CHUNK: usize = 64;
 
-/// The frequencies of samples, and the intervals whose polynomials go through them.
+/// The frequencies of samples, and the intervals whose polynomials interpolate them.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Grid {
-    /// Frequencies of the samples, in their order \[Hz\].
+    /// Frequencies of the samples, in sample order \[Hz\].
     hz: Vec<f64>,
-    /// Intervals in rising order without gaps.
+    /// Intervals in ascending order without gaps.
     intervals: Vec<Interval>,
     /// Estimated interpolation error.
     pub(crate) error: f64,
 }
 
-/// Neighbouring bins in one interval; none below the lowest sample.
+/// Consecutive bins in one interval; none below the lowest sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Run {
     pub(crate) interval: Option<usize>,
@@ -29,13 +29,13 @@ pub(crate) struct Run {
 }
 
 impl Grid {
-    /// From intervals in any order.
+    /// Creates a grid from intervals in any order.
     pub(super) fn new(hz: Vec<f64>, mut intervals: Vec<Interval>, error: f64) -> Self {
         intervals.sort_by(|a, b| a.low.total_cmp(&b.low));
         Self { hz, intervals, error }
     }
 
-    /// Frequencies of the samples, in their order \[Hz\].
+    /// Frequencies of the samples, in sample order \[Hz\].
     pub(crate) fn hz(&self) -> &[f64] {
         &self.hz
     }
@@ -57,8 +57,8 @@ impl Grid {
         self.intervals[0].nodes[0]
     }
 
-    /// The interval that contains a frequency; `None` below the lowest sample. The last one also covers all frequencies
-    /// above.
+    /// The interval that contains a frequency; `None` below the lowest sample. The last interval also covers all
+    /// frequencies above.
     pub(crate) fn interval(&self, hz: f64) -> Option<usize> {
         let last = self.intervals.len() - 1;
         (hz >= self.lowest_hz()).then(|| self.intervals.partition_point(|i| i.high <= hz).min(last))
@@ -80,7 +80,7 @@ impl Grid {
         self.nodes(interval).into_iter().zip(self.weights(interval, hz))
     }
 
-    /// Runs of bins in the same interval, no longer than 64.
+    /// Runs of bins in the same interval, with at most 64 bins.
     pub(crate) fn runs(&self, frequency: &[f64]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for (bin, interval) in frequency.iter().map(|hz| self.interval(*hz)).enumerate() {
@@ -95,7 +95,7 @@ impl Grid {
         runs
     }
 
-    /// A quantity with a matrix for each sample times the `motion` at the bins of a run, interpolated to each bin:
+    /// A quantity given by a matrix for each sample, times the `motion` in the bins of a run, interpolated to each bin:
     ///
     /// ```text
     /// x(f) = sum_n w_n(f) X_n a(f)
@@ -129,24 +129,24 @@ impl Grid {
         product
     }
 
-    /// Estimated interpolation error of another quantity that is known at the same samples.
+    /// Estimated interpolation error of another quantity sampled at the same frequencies.
     pub(crate) fn error_of(&self, misfit: impl Fn(&Interval) -> f64) -> f64 {
         let error = |i: &Interval| extrapolated(misfit(i), i.before().as_ref().map(&misfit));
         self.intervals.iter().map(error).fold(0.0, f64::max)
     }
 
-    /// The same of a field with a matrix for each sample, relative to the largest entry in an interval.
+    /// Same as `error_of` for a field given by a matrix for each sample, relative to the largest entry in an interval.
     pub(crate) fn error_of_fields(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
         self.error_of(|interval| field_misfit(interval, |node| &samples[node]))
     }
 
-    /// All frequencies times `by`.
+    /// Multiplies all frequencies by `by`.
     pub(crate) fn stretch(&mut self, by: f64) {
         self.hz.iter_mut().for_each(|hz| *hz *= by);
         self.intervals.iter_mut().for_each(|i| i.stretch(by));
     }
 
-    /// Largest relative error of a factor interpolated like the samples, half way between them.
+    /// Largest relative error of a factor interpolated like the samples, evaluated half way between them.
     pub(crate) fn error_of_factor(&self, factor: impl Fn(f64) -> f64) -> f64 {
         let of_interval = |interval: &Interval| {
             let hz = interval.samples_hz();
@@ -163,8 +163,8 @@ impl Grid {
         self.intervals.iter().map(of_interval).fold(0.0, f64::max)
     }
 
-    /// Appends the intervals of `above` that end above this grid, and returns the indices there of the samples they
-    /// need, in the order of appending.
+    /// Appends the intervals of `above` that end above this grid; returns the indices there of the samples they need,
+    /// in the order of appending.
     pub(crate) fn extend(&mut self, above: &Self) -> Vec<usize> {
         let end = self.highest_hz();
         let later = || above.intervals.iter().filter(|i| i.high > end);
@@ -183,7 +183,7 @@ impl Grid {
     }
 }
 
-/// A misfit, infinite if it is not a number: the interpolant through few samples may have no value.
+/// A misfit, replaced by infinity if it is NaN: the interpolant through few samples may have no value.
 pub(crate) fn or_infinite(misfit: f64) -> f64 {
     if misfit.is_nan() { f64::INFINITY } else { misfit }
 }

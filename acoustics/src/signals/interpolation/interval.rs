@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Points among which Leja's sequence chooses.
+/// Number of points from which the Leja sequence chooses.
 const CANDIDATES: usize = 2048;
 
-/// Logarithms of products of distances that differ by less are equal up to rounding.
+/// Products of distances whose logarithms differ by less than this count as equal.
 const TIE: f64 = 1e-9;
 
 /// Smallest factor by which a round of samples is assumed to reduce the error.
@@ -24,17 +24,17 @@ pub(crate) struct Interval {
     hz: Vec<f64>,
     /// Their barycentric weights.
     weights: Vec<f64>,
-    /// Number of last samples that test the interpolant through those before them.
+    /// Number of final samples that test the interpolant through the preceding ones.
     tests: usize,
 }
 
 impl Interval {
-    /// With samples at these frequencies \[Hz\], in their order.
+    /// Creates an interval with samples at these frequencies \[Hz\], in order.
     pub(super) fn new([low, high]: [f64; 2], nodes: Vec<usize>, hz: Vec<f64>, tests: usize) -> Self {
         let x: Vec<f64> = hz.iter().map(|&hz| scaled([low, high], hz)).collect();
         let weight = |j: usize| {
             let others = x.iter().enumerate().filter(|(i, _)| *i != j);
-            // The interval is scaled to a logarithmic capacity of 1/2, so that products stay near one.
+            // The interval is scaled to a logarithmic capacity of 1/2, so that products remain close to one.
             1.0 / others.map(|(_, xi)| 2.0 * (x[j] - xi)).product::<f64>()
         };
         Self {
@@ -53,7 +53,7 @@ impl Interval {
         Self::new([self.low, self.high], nodes, hz, tests)
     }
 
-    /// All frequencies times `by`.
+    /// Multiplies all frequencies by `by`.
     pub(super) fn stretch(&mut self, by: f64) {
         let ends = [&mut self.low, &mut self.high];
         ends.into_iter().chain(&mut self.hz).for_each(|hz| *hz *= by);
@@ -76,13 +76,13 @@ impl Interval {
         (fewer > self.tests).then(|| self.with_first(fewer, self.tests))
     }
 
-    /// Frequencies of the samples \[Hz\], in their order.
+    /// Frequencies of the samples, in sample order \[Hz\].
     pub(crate) fn samples_hz(&self) -> &[f64] {
         &self.hz
     }
 
-    /// Frequencies of the samples in Leja's order among themselves \[Hz\], which begins with both ends: the first few
-    /// of them serve a separate interpolant.
+    /// Frequencies of the samples rearranged as a Leja sequence \[Hz\], beginning with both ends, so that its first few
+    /// members define an interpolant of their own.
     pub(crate) fn samples_in_leja_order(&self) -> Vec<f64> {
         let x: Vec<f64> = self.hz.iter().map(|&hz| scaled([self.low, self.high], hz)).collect();
         let mut left: Vec<usize> = (0..x.len()).collect();
@@ -93,7 +93,7 @@ impl Interval {
                 1 => x[i],
                 _ => order.iter().map(|&j| (x[i] - x[j]).abs().ln()).sum(),
             };
-            // The earlier one of two that differ by rounding.
+            // If two candidates differ only by rounding, the earlier one is taken.
             let better = |best: usize, place: usize| {
                 if merit(left[place]) > merit(left[best]) + TIE {
                     place
@@ -137,9 +137,9 @@ impl Interval {
     }
 }
 
-/// Error with the samples of a round, from the misfit `found` without them and the misfit one round before: each round
-/// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`]. An exact result has
-/// no error.
+/// Estimated error including the samples of a round, given the misfit `found` without them and the misfit one round
+/// before: each round is assumed to reduce the error by the same factor as the previous one, but by no more than
+/// [`GAIN`]. An exact result has no error.
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     match before {
         Some(before) if found > 0.0 => found * (found / before).clamp(GAIN, 1.0),
@@ -147,17 +147,17 @@ pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     }
 }
 
-/// Most samples of an interval.
+/// Largest number of samples in an interval.
 pub(super) const MOST: usize = 96;
 
-/// Leja's sequence on \[-1, 1\] (Leja 1957): each point maximises the product of the distances to the previous ones, so
-/// that each sample raises the order of the polynomial by one and all earlier samples are reused.
+/// Leja sequence on \[-1, 1\] (Leja 1957): each point maximises the product of the distances to the previous ones. Each
+/// sample raises the order of the polynomial by one, and all earlier samples are reused.
 fn leja() -> &'static [f64] {
     static POINTS: LazyLock<Vec<f64>> = LazyLock::new(|| leja_from(Vec::new(), MOST));
     &POINTS
 }
 
-/// Leja's sequence of `count` points that begins with given ones.
+/// Leja sequence of `count` points that begins with the given ones.
 fn leja_from(mut points: Vec<f64>, count: usize) -> Vec<f64> {
     let at = |i: usize| -(PI * i as f64 / CANDIDATES as f64).cos();
     let distance = |i: usize, x: f64| (at(i) - x).abs().ln();
@@ -178,12 +178,12 @@ fn leja_from(mut points: Vec<f64>, count: usize) -> Vec<f64> {
     points
 }
 
-/// Position of a frequency in an interval that is scaled to \[-1, 1\].
+/// Position of a frequency in an interval scaled to \[-1, 1\].
 fn scaled([low, high]: [f64; 2], hz: f64) -> f64 {
     ((hz - low) - (high - hz)) / (high - low)
 }
 
-/// The first frequencies of Leja's sequence on an interval that begins with `known` ones; the ends are exact.
+/// The first frequencies of a Leja sequence on an interval, beginning with `known` ones; the ends are exact.
 pub(super) fn leja_hz([low, high]: [f64; 2], known: &[f64], count: usize) -> Vec<f64> {
     let place = |x: &f64| match *x {
         -1.0 => low,
@@ -209,7 +209,7 @@ pub(super) fn leja_hz([low, high]: [f64; 2], known: &[f64], count: usize) -> Vec
 mod tests {
     use super::*;
 
-    /// The right half of an interval with 48 samples, and four more.
+    /// The right half of an interval with 48 samples, with four more samples.
     fn half() -> Interval {
         let (low, middle, high) = (100.0, 150.0, 200.0);
         let parent = leja_hz([low, high], &[], 48);

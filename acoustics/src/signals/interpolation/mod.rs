@@ -5,8 +5,7 @@
 //! Grid     frequencies of the samples; weights of the samples at any frequency; products with motions
 //! ```
 //!
-//! It samples radiation matrices, receiver pressures and surrounding fields. They differ only in the norm of their
-//! misfit.
+//! Used for radiation matrices, receiver pressures and sound fields. These differ only in the norm of their misfit.
 
 mod adaptive;
 pub(crate) mod error;

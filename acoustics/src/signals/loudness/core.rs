@@ -1,14 +1,14 @@
-//! Core loudness: the loudness of each critical band without the slopes of its neighbours.
+//! Core loudness: the loudness of each critical band, excluding the slopes of its neighbours.
 
-use super::SoundField;
 use super::error::LoudnessError;
 use super::filter_bank::BANDS;
+use super::sound_field::SoundField;
 use crate::checks::finite;
 
-/// Critical bands with a core loudness; the last one only lets slopes run out.
+/// Number of critical bands with a core loudness; the last one only lets slopes decay.
 pub(super) const CRITICAL_BANDS: usize = 21;
 
-/// Third octaves of 25 to 250 Hz, which are corrected by the equal-loudness contours.
+/// Number of third octaves from 25 to 250 Hz, which are corrected by the equal-loudness contours.
 const LOW_BANDS: usize = 11;
 
 /// Upper ends of the level ranges of [`LOW_REDUCTION`] \[dB\] (table A.3).
@@ -26,7 +26,7 @@ const LOW_REDUCTION: [[f64; LOW_BANDS]; 8] = [
     [-15.0, -10.0, -8.0, -4.0, -2.0, 0.0, -3.0, -1.0, 0.0, -1.0, 0.0],
 ];
 
-/// The low third octaves of each of the three lowest critical bands: 25 to 80, 100 to 160, 200 and 250 Hz.
+/// The low third octaves in each of the three lowest critical bands: 25 to 80, 100 to 160, and 200 and 250 Hz.
 const LOWEST_CRITICAL: [std::ops::Range<usize>; 3] = [0..6, 6..9, 9..11];
 
 /// Level at threshold in each critical band, without the transmission of the ear \[dB\] (table A.6).
@@ -39,12 +39,12 @@ const TRANSMISSION: [f64; 20] = [
     0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.5, -1.6, -3.2, -5.4, -5.6, -4.0, -1.5, 2.0, 5.0, 12.0,
 ];
 
-/// Level in a diffuse field less that in a free field, for the same loudness \[dB\] (table A.5).
+/// Level in a diffuse field minus that in a free field of equal loudness \[dB\] (table A.5).
 const DIFFUSE: [f64; 20] = [
     0.0, 0.0, 0.5, 0.9, 1.2, 1.6, 2.3, 2.8, 3.0, 2.0, 0.0, -1.4, -2.0, -1.9, -1.0, 0.5, 3.0, 4.0, 4.3, 4.0,
 ];
 
-/// Level of a third octave less that of its critical band \[dB\] (table A.7).
+/// Level of a third octave minus that of its critical band \[dB\] (table A.7).
 const BANDWIDTH: [f64; 20] = [
     -0.25, -0.6, -0.8, -0.8, -0.5, 0.0, 0.5, 1.1, 1.5, 1.7, 1.8, 1.8, 1.7, 1.6, 1.4, 1.2, 0.8, 0.5, 0.0, -0.5,
 ];
@@ -69,7 +69,7 @@ fn reduced_energy(band: usize, level: f64) -> f64 {
 /// ISO 532-1:2017, 5.4 to 5.6.
 ///
 /// # Errors
-/// Levels that are not finite, or above 120 dB in a band up to 250 Hz.
+/// If levels are not finite, or above 120 dB in a band up to 250 Hz.
 pub(super) fn core_loudness(levels: &[f64; BANDS], field: SoundField) -> Result<[f64; CRITICAL_BANDS], LoudnessError> {
     finite("third-octave level [dB]", levels)?;
     let too_loud = levels[..LOW_BANDS].iter().position(|&level| level > 120.0);

@@ -1,4 +1,4 @@
-//! Third-octave levels of a pressure record by the filters of the standard, over time and of a steady sound.
+//! Third-octave levels of a pressure record by the standard's filters, for time-varying and steady sounds.
 
 use super::error::LoudnessError;
 use crate::checks::{InputError, finite};
@@ -13,22 +13,23 @@ pub const SAMPLE_RATE: f64 = 48_000.0;
 /// Rate of the levels over time \[1/s\].
 pub(super) const LEVEL_RATE: f64 = 2000.0;
 
-/// Samples between two levels.
+/// Number of samples between two levels.
 const DECIMATION: usize = 24;
 
 /// Index of the band of 1 kHz.
 const INDEX_1_KHZ: i32 = 16;
 
-/// Squared pressure that the levels start from \[Pa²\].
+/// Squared pressure added before taking levels \[Pa²\].
 const FLOOR: f64 = 1e-12;
 
-/// Sections of second order of a band.
+/// Number of second-order sections per band.
 const SECTIONS: usize = 3;
 
 /// Numerators of the sections, for z^0, z^-1 and z^-2 (table A.1).
 const NUMERATORS: [[f64; 3]; SECTIONS] = [[1.0, 2.0, 1.0], [1.0, 0.0, -1.0], [1.0, -2.0, 1.0]];
 
-/// Gain of each band, then what the denominators of its sections lie below -2 (z^-1) and 1 (z^-2) (table A.2).
+/// For each band, the gain, then for each section the differences of -2 and 1 minus its denominator coefficients of
+/// z^-1 and z^-2 (table A.2).
 const FILTERS: [[f64; 1 + 2 * SECTIONS]; BANDS] = [
     [
         4.30764e-11,
@@ -291,18 +292,18 @@ fn filtered(pressure: &[f64], band: usize) -> Vec<f64> {
     signal
 }
 
-/// Level of a mean squared pressure \[Pa²\] in dB re 20 uPa, from about -26 dB on.
+/// Level of a mean squared pressure \[Pa²\] in dB re 20 uPa, with a floor of about -26 dB.
 fn level(squared: f64) -> f64 {
     10.0 * ((squared + FLOOR) / REFERENCE_PRESSURE.powi(2)).log10()
 }
 
 /// Third-octave levels over time, one row every 0.5 ms \[dB re 20 uPa\] (ISO 532-1:2017, 6.2).
 ///
-/// Three low-passes of first order with the time constant 2/(3 f_m), at least that of 1 kHz, smooth the square of each
-/// band's pressure.
+/// Three first-order low-pass filters smooth the square of each band's pressure; their time constant is 2/(3 f_m),
+/// with f_m limited to 1 kHz.
 ///
 /// # Errors
-/// Pressures that are not finite.
+/// If a pressure is not finite.
 pub(super) fn levels_over_time(pressure: &[f64]) -> Result<Vec<[f64; BANDS]>, LoudnessError> {
     finite("pressure", pressure)?;
     let mut levels = vec![[0.0; BANDS]; pressure.len().div_ceil(DECIMATION)];
@@ -325,11 +326,11 @@ pub(super) fn levels_over_time(pressure: &[f64]) -> Result<Vec<[f64; BANDS]>, Lo
     Ok(levels)
 }
 
-/// Third-octave levels of a steady sound \[dB re 20 uPa\] from its pressure \[Pa\] at 48 kHz, over the time from `skip`
-/// \[s\] on, when the filters have settled (ISO 532-1:2017, 5.2).
+/// Third-octave levels of a steady sound \[dB re 20 uPa\] from its pressure \[Pa\] at 48 kHz, excluding the first
+/// `skip` \[s\], in which the filters settle (ISO 532-1:2017, 5.2).
 ///
 /// # Errors
-/// Pressures that are not finite, nothing after `skip`.
+/// If a pressure is not finite or nothing follows `skip`.
 pub fn steady_levels(pressure: &[f64], skip: f64) -> Result<[f64; BANDS], LoudnessError> {
     finite("pressure", pressure)?;
     let from = (skip * SAMPLE_RATE) as usize;

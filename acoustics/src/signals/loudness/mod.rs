@@ -1,10 +1,10 @@
-//! Loudness by Zwicker's method (ISO 532-1:2017), of stationary and of time-varying sounds.
+//! Loudness by Zwicker's method (ISO 532-1:2017) for stationary and time-varying sounds.
 //!
 //! ```text
 //! pressure -> third-octave levels -> core loudness -> (decay over time) -> specific loudness -> N -> (weighting)
 //! ```
 //!
-//! The loudness N is in sone. A 1 kHz tone of 40 dB in a free field, from the front, has 1 sone. The method assumes the
+//! The loudness N is in sone. A 1 kHz tone at 40 dB in a free field, from the front, has 1 sone. The method assumes the
 //! same sound at both ears and the equal-loudness contours of ISO 226:1987. Coefficients are those of annex A of the
 //! standard, as transcribed in open-source libraries (MoSQITo 1.2, phonometry); they have not been compared with the
 //! printed tables.
@@ -13,28 +13,21 @@ mod core;
 pub(crate) mod error;
 mod filter_bank;
 mod pattern;
+mod sound_field;
 mod temporal;
 
 pub use error::LoudnessError;
 pub use filter_bank::{BANDS, SAMPLE_RATE, steady_levels};
+pub use sound_field::SoundField;
 
 use self::core::core_loudness;
 use filter_bank::{LEVEL_RATE, levels_over_time};
 use pattern::total_loudness;
 
-/// Sound field of the levels, which are those without the listener.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SoundField {
-    /// A plane wave from the front.
-    Free,
-    /// Sound from all directions.
-    Diffuse,
-}
-
 /// Loudness of a sound over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoudnessHistory {
-    /// Loudness at intervals of [`LoudnessHistory::INTERVAL`] from the first sample on \[sone\].
+    /// Loudness at intervals of [`LoudnessHistory::INTERVAL`], starting at the first sample \[sone\].
     pub sone: Vec<f64>,
 }
 
@@ -42,7 +35,7 @@ impl LoudnessHistory {
     /// Interval between the values \[s\].
     pub const INTERVAL: f64 = 0.002;
 
-    /// Values of the loudness at the rate of the levels that make one of the history.
+    /// Number of loudness values, at the rate of the levels, per value of the history.
     const DECIMATION: usize = 4;
 
     /// Greatest loudness N_max \[sone\]; zero for an empty history.
@@ -50,10 +43,11 @@ impl LoudnessHistory {
         self.sone.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Loudness exceeded in this share of the time \[sone\], for example N_5 for 0.05; zero for an empty history.
+    /// Loudness exceeded during this fraction of the time \[sone\], for example N_5 for 0.05; zero for an empty
+    /// history.
     ///
-    /// The share counts the whole record. For a single event it therefore depends on the length of the record, which
-    /// N_max does not.
+    /// The fraction refers to the complete record. For a single event it therefore depends on the length of the record,
+    /// unlike N_max.
     pub fn exceeded(&self, share: f64) -> f64 {
         let mut falling = self.sone.clone();
         falling.sort_by(|a, b| b.total_cmp(a));
@@ -66,7 +60,7 @@ impl LoudnessHistory {
 /// (ISO 532-1:2017, clause 5).
 ///
 /// # Errors
-/// Levels that are not finite, or above 120 dB in a band up to 250 Hz, where the standard ends.
+/// If levels are not finite, or above 120 dB in a band up to 250 Hz, which exceeds the range of the standard.
 pub fn stationary(levels: &[f64; BANDS], field: SoundField) -> Result<f64, LoudnessError> {
     Ok(total_loudness(&core_loudness(levels, field)?))
 }
@@ -74,7 +68,7 @@ pub fn stationary(levels: &[f64; BANDS], field: SoundField) -> Result<f64, Loudn
 /// Loudness of a time-varying sound from its pressure \[Pa\] at 48 kHz (ISO 532-1:2017, clause 6).
 ///
 /// # Errors
-/// Pressures that are not finite, levels above 120 dB in a band up to 250 Hz.
+/// If pressures are not finite or levels exceed 120 dB in a band up to 250 Hz.
 pub fn time_varying(pressure: &[f64], field: SoundField) -> Result<LoudnessHistory, LoudnessError> {
     let levels = levels_over_time(pressure)?;
     let mut cores = levels

@@ -12,8 +12,8 @@ const RANGE_END: [f64; 18] = [
     21.5, 18.0, 15.1, 11.5, 9.0, 6.1, 4.4, 3.1, 2.13, 1.36, 0.82, 0.42, 0.30, 0.22, 0.15, 0.10, 0.035, 0.0,
 ];
 
-/// Steepness of the upper slopes \[sone/Bark²\] by range of specific loudness and by critical band, from the second
-/// band on; the last column is for all bands above (table A.9).
+/// Steepness of the upper slopes \[sone/Bark²\] by range of specific loudness and by critical band, starting with the
+/// second band; the last column applies to all higher bands (table A.9).
 const STEEPNESS: [[f64; 8]; 18] = [
     [13.0, 8.2, 6.3, 5.5, 5.5, 5.5, 5.5, 5.5],
     [9.0, 7.5, 6.0, 5.1, 4.5, 4.5, 4.5, 4.5],
@@ -35,14 +35,14 @@ const STEEPNESS: [[f64; 8]; 18] = [
     [0.06, 0.05, 0.03, 0.02, 0.02, 0.02, 0.02, 0.02],
 ];
 
-/// The first range whose lower end does not exceed this specific loudness, at least `from`.
+/// The first range, starting with `from`, whose lower end does not exceed this specific loudness.
 fn range_at(specific: f64, from: usize) -> usize {
     (from..RANGE_END.len() - 1)
         .find(|&range| RANGE_END[range] <= specific)
         .unwrap_or(RANGE_END.len() - 1)
 }
 
-/// Total loudness, the area below the pattern of specific loudness \[sone\], from the core loudness \[sone/Bark\].
+/// Total loudness: the area below the pattern of specific loudness \[sone\], given the core loudness \[sone/Bark\].
 ///
 /// A band whose core loudness exceeds the slope of the bands below replaces it; otherwise the slope continues, with the
 /// steepness of its own specific loudness. ISO 532-1:2017, 5.7.
@@ -95,9 +95,9 @@ mod tests {
             core[band] = 1.0;
             total_loudness(&core)
         };
-        // The area of the band itself, 1.3 Bark wide, and a slope above it.
+        // The area of the band itself, 1.3 Bark wide, plus a slope above it.
         assert!(single(8) > 1.3 + 0.5 && single(8) < 1.3 + 1.5, "{}", single(8));
-        // Nothing is above the last band of 0.4 Bark.
+        // There is nothing above the last band, which is 0.4 Bark wide.
         assert!((single(20) - 0.4).abs() < 1e-12);
     }
 }

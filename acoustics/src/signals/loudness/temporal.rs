@@ -1,26 +1,26 @@
-//! What hearing does to loudness over time: the decay of excitation after a sound, and the build-up of short sounds.
+//! Temporal effects of hearing: the decay of excitation after a sound, and the build-up of short sounds.
 
 use super::core::CRITICAL_BANDS;
 
-/// Steps of integration between two values.
+/// Number of integration steps between two values.
 const STEPS: usize = 24;
 
-/// Time constants of the decay: of excitation after a short sound, after a long one, and of the memory of its length
-/// \[s\] (ISO 532-1:2017, 6.3).
+/// Time constants of the decay \[s\]: of excitation after a short sound, after a long one, and of the memory of the
+/// sound's duration (ISO 532-1:2017, 6.3).
 const SHORT: f64 = 0.005;
 const LONG: f64 = 0.015;
 const MEMORY: f64 = 0.075;
 
-/// Below this distance the input follows the output \[sone/Bark\].
+/// Below this difference, the input is taken to equal the output \[sone/Bark\].
 const EQUAL: f64 = 1e-5;
 
-/// The circuit of two capacitors behind a diode that lets excitation rise at once and decay slowly.
+/// The circuit of two capacitors after a diode, with which excitation rises at once and decays slowly.
 struct Decay {
     /// Weights of the two voltages over one step while both capacitors discharge: \[memory, output\] x \[output,
     /// memory\].
     memory: [f64; 2],
     output: [f64; 2],
-    /// Factors of a step when only the long decay or only the memory acts.
+    /// Decay factors per step if only the long decay or only the memory is active.
     long: f64,
     slow: f64,
 }
@@ -50,7 +50,7 @@ impl Decay {
         }
     }
 
-    /// The voltages one step later, for this input.
+    /// The voltages one step later for the given input.
     fn step(&self, input: f64, last: Voltages) -> Voltages {
         if input < last.output {
             if last.output > last.memory {
@@ -94,7 +94,8 @@ pub(super) fn decay(cores: &mut [[f64; CRITICAL_BANDS]], rate: f64) {
     }
 }
 
-/// Low-pass of first order with this time constant \[s\] over values at this rate \[1/s\], linear in between.
+/// First-order low-pass filter with the given time constant \[s\], for values at this rate \[1/s\] with linear
+/// interpolation.
 fn low_pass(values: &[f64], time_constant: f64, rate: f64) -> Vec<f64> {
     let retained = (-1.0 / (rate * STEPS as f64 * time_constant)).exp();
     let mut state = 0.0;
@@ -111,8 +112,8 @@ fn low_pass(values: &[f64], time_constant: f64, rate: f64) -> Vec<f64> {
     filtered
 }
 
-/// Loudness over time with the build-up of short sounds: 0.47 of it through a low-pass of 3.5 ms and 0.53 through one
-/// of 70 ms (6.4).
+/// Loudness over time with the build-up of short sounds: a weighted sum of low-pass filters with 3.5 ms (0.47) and 70
+/// ms (0.53) (6.4).
 pub(super) fn weighted(loudness: &[f64], rate: f64) -> Vec<f64> {
     let (quick, slow) = (low_pass(loudness, 0.0035, rate), low_pass(loudness, 0.070, rate));
     quick.iter().zip(slow).map(|(q, s)| 0.47 * q + 0.53 * s).collect()
@@ -124,7 +125,7 @@ mod tests {
 
     const RATE: f64 = 2000.0;
 
-    /// Excitation of one band, constant for `on` values and then absent.
+    /// Excitation of one band that is constant for `on` values and then stops.
     fn pulse(on: usize, off: usize) -> Vec<[f64; CRITICAL_BANDS]> {
         let value = |i: usize| [if i < on { 1.0 } else { 0.0 }; CRITICAL_BANDS];
         let mut cores: Vec<_> = (0..on + off).map(value).collect();
@@ -138,7 +139,7 @@ mod tests {
         assert_eq!((short[0][3], long[399][3]), (1.0, 1.0));
         // 10 ms after its end.
         assert!(short[30][3] < 0.6 * long[420][3], "{} {}", short[30][3], long[420][3]);
-        // A long sound decays by 15 ms alone, from one interval of 0.5 ms after its end on.
+        // A long sound decays with 15 ms only, starting one interval of 0.5 ms after its end.
         let decayed = long[420][3] / long[410][3];
         assert!((decayed - (-0.005_f64 / LONG).exp()).abs() < 0.02, "{decayed}");
     }
@@ -147,7 +148,7 @@ mod tests {
     fn a_constant_loudness_builds_up_to_itself() {
         let filtered = weighted(&[3.0; 2000], RATE);
         assert!((filtered[1999] - 3.0).abs() < 1e-5);
-        // After 70 ms: all of the quick part and 1 - 1/e of the slow one.
+        // After 70 ms: the fast part completely, and 1 - 1/e of the slow one.
         assert!((filtered[140] / 3.0 - (0.47 + 0.53 * (1.0 - (-1f64).exp()))).abs() < 2e-3);
     }
 }

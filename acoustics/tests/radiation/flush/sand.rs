@@ -19,6 +19,7 @@ fn sand() -> MovingSand {
         footprint: FOOTPRINT,
         sand: [[-0.3, 0.3], [-0.3, 0.3]],
         shear_speed: 112.0,
+        poisson_ratio: 0.3,
         loss_factor: 0.1,
         to_hz: 1500.0,
     }
@@ -39,6 +40,25 @@ fn whole(rayleigh: &Rayleigh, hz: f64) -> Resistance {
         .iter()
         .for_each(|patch| sum.add_scaled(1.0, patch));
     sum
+}
+
+#[test]
+fn the_rayleigh_wave_has_its_closed_forms_of_speed() {
+    // x = 3 - sqrt 5 for nu = 0, 2 - 2/sqrt 3 for 1/4; 0.9553 V_s for an incompressible half space (Viktorov 1967).
+    let incompressible = 0.955_313_f64;
+    let exact = [
+        (0.0, (3.0 - 5.0_f64.sqrt()).sqrt()),
+        (0.25, (2.0 - 2.0 / 3.0_f64.sqrt()).sqrt()),
+        (0.5 - 1e-9, incompressible),
+    ];
+    for (poisson_ratio, exact) in exact {
+        let law = MovingSand {
+            poisson_ratio,
+            ..sand()
+        };
+        let found = law.rayleigh_speed() / law.shear_speed;
+        assert!((found - exact).abs() < 1e-6, "nu {poisson_ratio}: {found}, {exact}");
+    }
 }
 
 #[test]

@@ -15,13 +15,13 @@ pub struct Event {
     pub after: Option<usize>,
     /// Time that must have passed since `after` \[s\].
     pub delay: f64,
-    /// Index of an event that must not have happened when the condition arises.
+    /// Index of an event that must not have occurred when the condition becomes true.
     pub before: Option<usize>,
     /// Index of an event at which the search ends.
     pub until: Option<usize>,
     /// Further condition at the edge.
     pub condition: Option<Condition>,
-    /// Time for which the condition must be satisfied \[s\].
+    /// Minimum duration for which the condition must be satisfied \[s\].
     pub lasting: f64,
     /// Which of several edges counts.
     pub pick: Pick,
@@ -34,9 +34,9 @@ pub enum Edge {
     At(f64),
     /// When the condition begins to be satisfied.
     Becomes(Condition),
-    /// When the condition is satisfied, at once if it is at the start of the search.
+    /// When the condition is satisfied, immediately if it is at the start of the search.
     Is(Condition),
-    /// A word that a block logs.
+    /// When a block logs a word.
     Logged(Word),
 }
 
@@ -56,7 +56,7 @@ pub enum Pick {
     Last,
 }
 
-/// A change that a block logs.
+/// A change logged by a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct Word {
     /// Block.
@@ -67,7 +67,7 @@ pub struct Word {
     pub action: Action,
 }
 
-/// Changes of blocks; the word of the log is the name in lower case.
+/// Changes of blocks; the log uses the name in lower case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Action {
     /// Contact closes; force becomes active.
@@ -155,9 +155,9 @@ pub struct Trigger {
     pub starts: bool,
     /// Words that set it.
     pub set: Vec<Word>,
-    /// Words that clear it; empty: it stays set once it is set.
+    /// Words that clear it; if empty, it stays set.
     pub clear: Vec<Word>,
-    /// (time \[s\], state).
+    /// Scheduled changes: (time \[s\], state).
     pub schedule: Vec<(f64, bool)>,
 }
 
@@ -170,7 +170,7 @@ pub struct Outcome {
     pub test: OutcomeTest,
 }
 
-/// Test of an outcome, at the end of the record.
+/// Test of an outcome, evaluated at the end of the record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum OutcomeTest {
     /// An event happened (index).

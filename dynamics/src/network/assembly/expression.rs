@@ -93,7 +93,7 @@ pub enum Quantity {
     Volume,
     /// Passage: mass flow from its first to its second end \[kg/s\].
     MassFlow,
-    /// Passage in series: pressure before the last restriction \[Pa\].
+    /// Passage in series: pressure upstream of the last restriction \[Pa\].
     Plenum,
     /// Passage: 1 when choked, else 0.
     Choked,
@@ -101,9 +101,9 @@ pub enum Quantity {
     Overlap,
     /// Contact, fastener: force on `against`/`into`; others: on the body that is `on`; down is positive \[N\].
     Force,
-    /// Fastener: depth z of the tip, not below zero \[m\].
+    /// Fastener: depth z of the tip, at least zero \[m\].
     Depth,
-    /// Fastener: deepest z so far, not below zero \[m\].
+    /// Fastener: largest z so far, at least zero \[m\].
     Deepest,
     /// Fastener: dz/dt \[m/s\].
     Advance,
@@ -122,7 +122,7 @@ pub struct Comparison {
     pub strict: bool,
 }
 
-/// Named expression with a channel of its own.
+/// Named expression with its own channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensor {
     /// Name.

@@ -20,7 +20,7 @@ pub struct Reservoir {
 pub struct Volume {
     /// Name.
     pub name: String,
-    /// Volume with all its faces at their zero \[m3\].
+    /// Volume with all its faces at their zero travel \[m3\].
     pub dead: f64,
     /// Absolute pressure at the start \[Pa\].
     pub pressure: f64,
@@ -30,14 +30,14 @@ pub struct Volume {
     pub wall: Option<Wall>,
     /// Whether the temperature remains that of the start.
     pub isothermal: bool,
-    /// Whether its pressure belongs to the exhaust's path (transducers, choking share).
+    /// Whether its pressure belongs to the exhaust path (for transducers and the choked fraction).
     pub exhaust_path: bool,
 }
 
 /// Wall that exchanges heat with the gas of a volume.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Wall {
-    /// Area with all faces at their zero \[m2\].
+    /// Area with all faces at their zero travel \[m2\].
     pub area: f64,
     /// Heat transfer coefficient \[W/(m2 K)\].
     pub transfer: f64,
@@ -54,7 +54,7 @@ pub struct Face {
     pub gas: Space,
     /// Index of the body it acts on.
     pub body: usize,
-    /// Body that carries the reaction and from which the travel is measured.
+    /// Body that carries the reaction, and relative to which the travel is measured.
     pub against: Base,
     /// Direction of the force on `body`.
     pub push: super::Push,
@@ -62,7 +62,7 @@ pub struct Face {
     pub area: f64,
     /// Travel at which the face adds nothing to the dead volume \[m\].
     pub zero: f64,
-    /// Wall length around the face: the wall area of the volume changes by this times the swept travel \[m\].
+    /// Wall length around the face: the volume's wall area changes by this times the swept travel \[m\].
     pub perimeter: f64,
 }
 
@@ -79,20 +79,20 @@ pub struct Passage {
     pub restrictions: Vec<Restriction>,
     /// Flow function.
     pub law: PassageLaw,
-    /// Whether flow from `to` to `from` is stopped.
+    /// Whether flow from `to` to `from` is blocked.
     pub one_way: bool,
-    /// Switching by a trigger.
+    /// Switching by a trigger, if any.
     pub gate: Option<Gate>,
-    /// Whether an opening to the atmosphere makes no noise.
+    /// Whether an opening to the atmosphere is treated as silent.
     pub silent: bool,
 }
 
 /// A restriction of a passage: an area and a discharge coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Restriction {
-    /// Name inside its series; empty for a single restriction.
+    /// Name within its series; empty for a single restriction.
     pub name: String,
-    /// Area over the state.
+    /// Area as a function of the state.
     pub opens: Opens,
     /// Discharge coefficient.
     pub coefficient: Coefficient,
@@ -100,7 +100,7 @@ pub struct Restriction {
     pub pipe: Option<Pipe>,
 }
 
-/// Area of a restriction over the state.
+/// Area of a restriction as a function of the state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Opens {
     /// Constant area \[m2\].
@@ -112,7 +112,7 @@ pub enum Opens {
     Seat {
         /// Index of the body whose travel opens it.
         body: usize,
-        /// Body from which the travel is measured.
+        /// Body relative to which the travel is measured.
         against: Base,
         /// Direction of travel that opens it.
         push: super::Push,
@@ -129,7 +129,7 @@ pub enum Opens {
     Holes {
         /// Index of the body.
         body: usize,
-        /// Body from which the travel is measured.
+        /// Body relative to which the travel is measured.
         against: Base,
         /// Direction of travel that uncovers them.
         push: super::Push,
@@ -137,7 +137,7 @@ pub enum Opens {
         at: f64,
         /// Total area \[m2\].
         area: f64,
-        /// Diameter of one hole for gradual uncovering \[m\]; `None` opens the whole area at once.
+        /// Diameter of one hole for gradual uncovering \[m\]; `None` opens the total area at once.
         diameter: Option<f64>,
     },
     /// Area that grows linearly with time, A min(1, t/time).
@@ -163,7 +163,7 @@ pub enum Cone {
 pub enum Coefficient {
     /// Constant.
     Constant(f64),
-    /// Polynomial in the pressure ratio r, clipped.
+    /// Polynomial in the pressure ratio r, clipped to a range.
     RatioPolynomial {
         /// Coefficients of r^0, r^1, ...
         coefficients: Vec<f64>,
@@ -204,9 +204,9 @@ pub struct Gate {
     pub trigger: usize,
     /// Whether the passage is open while the trigger is off.
     pub inverted: bool,
-    /// Delay from the trigger's change to the passage's \[s\].
+    /// Delay between the trigger's change and the passage's \[s\].
     pub delay: f64,
-    /// State of the passage before the first change reaches it.
+    /// State of the passage before the first change takes effect.
     pub before: bool,
     /// A further condition on the state, if any.
     pub also: Option<Expression>,

@@ -28,7 +28,7 @@ impl Push {
 pub struct Body {
     /// Name.
     pub name: String,
-    /// Body from which its travel is measured.
+    /// Body relative to which its travel is measured.
     pub parent: Base,
     /// Mass \[kg\].
     pub mass: f64,
@@ -36,7 +36,7 @@ pub struct Body {
     pub start: Start,
     /// Acceleration of gravity on it, along +y \[m/s2\].
     pub gravity: f64,
-    /// Sizes of position and velocity for the error control.
+    /// Characteristic sizes of position and velocity for error control.
     pub weights: Weights,
 }
 
@@ -54,7 +54,7 @@ pub enum Start {
     },
 }
 
-/// Sizes against which the error of the integration is measured.
+/// Characteristic sizes relative to which the integration error is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Weights {
     /// Position \[m\].
@@ -68,7 +68,7 @@ pub struct Weights {
 pub struct Contact {
     /// Name.
     pub name: String,
-    /// Index of the body that strikes.
+    /// Index of the body that hits the stop.
     pub on: usize,
     /// Body that carries the stop.
     pub against: Base,
@@ -86,7 +86,7 @@ pub struct Contact {
     pub may_pull: bool,
 }
 
-/// Side of a stop as seen from the body that strikes it.
+/// Side of the stop, seen from the body that hits it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Stop {
     /// The body moves down onto the stop.
@@ -115,7 +115,7 @@ pub struct Spring {
     pub against: Base,
     /// Direction in which a compressed spring pushes `on`.
     pub push: Push,
-    /// Travel of zero deflection beyond the preload \[m\].
+    /// Travel at which the deflection equals the preload \[m\].
     pub free: f64,
     /// Compression at `free` \[m\].
     pub preload: f64,
@@ -129,7 +129,7 @@ pub struct Spring {
     pub damping: f64,
 }
 
-/// Force of a spring over its compression.
+/// Force of a spring as a function of its compression.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum SpringLaw {
     /// Stiffness \[N/m\].
@@ -209,7 +209,7 @@ pub struct Motor {
     pub trigger: usize,
 }
 
-/// Latch: a spring and dashpot that catch a body where it is, while a trigger is on.
+/// Latch: a spring and dashpot that hold a body at its position while a trigger is on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hold {
     /// Name.
@@ -228,7 +228,7 @@ pub struct Hold {
     pub trigger: usize,
 }
 
-/// Fastener that a driver strikes and pushes into the workpiece.
+/// Fastener that a driver hits and pushes into the workpiece.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fastener {
     /// Name.
@@ -239,7 +239,7 @@ pub struct Fastener {
     pub into: usize,
     /// Body that guides it and carries the guide's friction.
     pub guide: Base,
-    /// Travel of the driver (from its parent) at which it strikes the head \[m\].
+    /// Travel of the driver (relative to its parent) at which it hits the head \[m\].
     pub head_at: f64,
     /// y_driver - y_into at which the tip touches the surface \[m\].
     pub tip_at: f64,
@@ -247,9 +247,9 @@ pub struct Fastener {
     pub length: f64,
     /// Mass m \[kg\].
     pub mass: f64,
-    /// Whether the mass joins the driver by a plastic impact.
+    /// Whether the mass joins the driver in a plastic impact.
     pub impact: bool,
-    /// Resistance of the work.
+    /// Resistance of the workpiece.
     pub law: FastenerLaw,
     /// Whether unloading follows the same curve (published form).
     pub reversible: bool,
@@ -257,7 +257,7 @@ pub struct Fastener {
     pub seated: Seated,
 }
 
-/// Resistance F_r(z) of the work, 0 for z <= 0 \[N\].
+/// Resistance F_r(z) of the workpiece, 0 for z <= 0 \[N\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum FastenerLaw {
     /// F_r = H l [p(z/l) + offset]^2 with the polynomial of thesis 4.59.

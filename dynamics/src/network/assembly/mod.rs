@@ -1,7 +1,7 @@
-//! The blocks of a tool, resolved: every formula is evaluated, every number is in SI, every name is an index.
+//! The blocks of a tool after resolution: formulas are evaluated, numbers are in SI, and names are indices.
 //!
 //! Coordinates: +y points down the tool's axis, towards the workpiece; t = 0 is the start of the record. Blocks that a
-//! design switches off are absent. The order of each list is the order of the file.
+//! design switches off are omitted. Each list is in the order of the file.
 
 use serde::Serialize;
 
@@ -39,11 +39,11 @@ pub struct Assembly {
     pub end: f64,
     /// Event after which the record may end before [`end`](Self::end).
     pub finish: Option<Finish>,
-    /// Balances that are integrated.
+    /// Balances to integrate.
     pub ledger: Ledger,
-    /// Whether the faces of a body may leave a resultant of a uniform pressure.
+    /// Whether a uniform pressure on the faces of a body may have a resultant.
     pub unbalanced: bool,
-    /// Infinite reservoirs. `atmosphere` is always among them.
+    /// Infinite reservoirs. `atmosphere` is always one of them.
     pub reservoirs: Vec<Reservoir>,
     /// Moving bodies.
     pub bodies: Vec<Body>,
@@ -65,7 +65,7 @@ pub struct Assembly {
     pub motors: Vec<Motor>,
     /// Latches.
     pub holds: Vec<Hold>,
-    /// Fasteners, at most one a driver.
+    /// Fasteners, at most one per driver.
     pub fasteners: Vec<Fastener>,
     /// Boolean signals that passages, motors and latches follow.
     pub triggers: Vec<Trigger>,
@@ -73,13 +73,13 @@ pub struct Assembly {
     pub sensors: Vec<Sensor>,
     /// Named events.
     pub events: Vec<Event>,
-    /// Outcomes of the shot, in order; the first whose test is satisfied names the shot.
+    /// Outcomes of the shot, in order; the first whose test is satisfied applies.
     pub outcomes: Vec<Outcome>,
     /// Openings to the atmosphere that make noise.
     pub openings: Vec<Opening>,
     /// Forces on named surfaces of bodies.
     pub loads: Vec<Load>,
-    /// Pressures on walls that leave no net force.
+    /// Pressures on walls that exert no net force.
     pub pressures: Vec<PressureSurface>,
 }
 
@@ -106,7 +106,7 @@ impl Assembly {
     }
 }
 
-/// Early end of the record: `tail` after `event`, and never past another event.
+/// Early end of the record: `tail` after `event`, but not past another event.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finish {
     /// Index of the event in [`Assembly::events`].
@@ -120,8 +120,8 @@ pub struct Finish {
 /// Balances that are integrated with the state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Ledger {
-    /// What crosses the boundary, heat, work and losses.
+    /// Flows across the boundary, heat, work and losses.
     Lean,
-    /// Also every passage, wall and face, so that each volume closes by itself.
+    /// Also every passage, wall and face, so that the balance of each volume can be checked.
     Full,
 }

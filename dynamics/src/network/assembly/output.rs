@@ -1,4 +1,4 @@
-//! What noise and structure need of the cycle.
+//! Outputs of the cycle for noise and structural vibration.
 
 use serde::Serialize;
 
@@ -17,9 +17,9 @@ pub struct Opening {
     pub count: f64,
     /// Total area \[m2\].
     pub area: f64,
-    /// Distance between holes \[m\].
+    /// Distance between hole centres \[m\].
     pub pitch: Option<f64>,
-    /// Group of keys with the outlet's fitting and muffler.
+    /// Group of keys that describe the outlet's fitting and muffler.
     pub outlet: Option<String>,
 }
 
@@ -34,7 +34,7 @@ pub struct Load {
     pub force: Expression,
 }
 
-/// Pressures on walls of a body that leave no net force.
+/// Pressures on walls of a body that exert no net force.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PressureSurface {
     /// Index of the body.
@@ -45,12 +45,12 @@ pub struct PressureSurface {
     pub patch: PressurePatch,
 }
 
-/// Gas that acts on a wall.
+/// Gas in contact with a wall.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum PressurePatch {
     /// One space.
     Uniform(Space),
-    /// Two spaces that a travel divides.
+    /// Two spaces separated at a movable position.
     Divided {
         /// Space above the divide.
         above: Space,
@@ -59,6 +59,6 @@ pub enum PressurePatch {
         /// Position of the divide \[m\].
         at: Expression,
     },
-    /// Pressure before the last restriction of a passage (index).
+    /// Pressure upstream of the last restriction of a passage (index).
     Plenum(usize),
 }

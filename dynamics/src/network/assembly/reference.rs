@@ -11,7 +11,7 @@ pub enum Space {
     Reservoir(usize),
 }
 
-/// What a motion is measured from, or a force reacts on.
+/// What a motion is relative to, or a force reacts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Base {
     /// The body at rest.

@@ -1,4 +1,4 @@
-//! From the tree of a formula to an expression over the state; dimensions are checked, constants are folded.
+//! Converts the tree of a formula to an expression over the state; dimensions are checked and constants folded.
 
 use std::f64::consts::PI;
 
@@ -13,18 +13,18 @@ use crate::network::assembly::{Binary, Comparison, Expression, Function};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Compiled {
     Scalar(Scalar),
-    /// A condition whose truth is known.
+    /// A condition whose truth value is known.
     Truth(bool),
     /// Conditions on the state, all of which must be satisfied.
     Conditions(Vec<Comparison>),
     Word(String),
 }
 
-/// A number, known or over the state.
+/// A number, either known or a function of the state.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scalar {
     pub(super) value: Expression,
-    /// `None` for a zero without a unit, which fits every dimension.
+    /// `None` for a zero without a unit, which is compatible with every dimension.
     pub(super) dimension: Option<Dimension>,
 }
 
@@ -48,11 +48,11 @@ impl Scalar {
 /// Why a formula cannot be compiled.
 #[derive(Debug)]
 pub(super) enum Trouble {
-    /// In this formula.
+    /// The fault is in this formula.
     Here { problem: String, help: String },
-    /// A fault of its own.
+    /// A separate fault.
     Fault(Fault),
-    /// In another value, which the formula needs.
+    /// The fault is in another value that the formula needs.
     Elsewhere(Box<AssemblyError>),
 }
 

@@ -1,4 +1,4 @@
-//! Errors of an assembly, with their place and remedy.
+//! Errors in an assembly, with their location and remedy.
 
 use nailnoise_documents::{Place, nearest};
 
@@ -6,11 +6,11 @@ use nailnoise_documents::{Place, nearest};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}, line {}: {path}{fault}", at.file(), at.line(), path = shown(path))]
 pub struct AssemblyError {
-    /// Full name of the field or block; empty for the whole file.
+    /// Full name of the field or block; empty for the complete file.
     pub path: String,
     /// What is wrong.
     pub fault: Fault,
-    /// Where.
+    /// Location.
     pub at: Box<Place>,
 }
 
@@ -23,7 +23,7 @@ fn shown(path: &str) -> String {
 }
 
 impl AssemblyError {
-    /// The remedy; empty if the error says it all.
+    /// The remedy; empty if the message suffices.
     pub fn help(&self) -> String {
         self.fault.help()
     }
@@ -45,7 +45,7 @@ pub enum Fault {
         /// Names of built-in assemblies.
         known: Vec<String>,
     },
-    /// A value of a key that is neither declared nor a standard one.
+    /// A value is given for a key that is neither declared nor a standard one.
     #[error("is not a key of the assembly")]
     Undeclared {
         /// Full name of the key.
@@ -63,15 +63,15 @@ pub enum Fault {
         /// Known fields.
         known: Vec<String>,
     },
-    /// A field that must be given is absent.
+    /// A required field is missing.
     #[error("has no field `{field}`")]
     Missing {
         /// Absent field.
         field: String,
-        /// The field as it may be written.
+        /// Example of the field.
         example: String,
     },
-    /// A value of another kind.
+    /// A value has the wrong kind.
     #[error("is {found}, expected {expected}")]
     Kind {
         /// Kind found.
@@ -79,7 +79,7 @@ pub enum Fault {
         /// Kind expected.
         expected: String,
     },
-    /// A value of another dimension.
+    /// A value has the wrong dimension.
     #[error("is {found}, expected {expected}")]
     Dimension {
         /// Dimension found.
@@ -89,7 +89,7 @@ pub enum Fault {
         /// Units of the expected dimension.
         units: String,
     },
-    /// A text that is no quantity.
+    /// A text is not a quantity.
     #[error("is \"{text}\": {problem}")]
     Literal {
         /// Text as given.
@@ -99,7 +99,7 @@ pub enum Fault {
         /// Units of the expected dimension.
         units: String,
     },
-    /// A value outside the domain of its field.
+    /// A value is outside the domain of its field.
     #[error("is {value}, allowed is {allowed}")]
     Domain {
         /// Value \[SI\].
@@ -107,7 +107,7 @@ pub enum Fault {
         /// Domain in words.
         allowed: String,
     },
-    /// A formula that cannot be read or evaluated.
+    /// A formula cannot be parsed or evaluated.
     #[error("cannot evaluate \"{formula}\": {problem}")]
     Formula {
         /// Formula.
@@ -117,23 +117,23 @@ pub enum Fault {
         /// Remedy; may be empty.
         help: String,
     },
-    /// A name that stands for nothing.
+    /// A name does not refer to anything.
     #[error("names \"{name}\", which is no {wanted}")]
     UnknownName {
         /// Name as given.
         name: String,
-        /// What it should be.
+        /// Kind of object expected.
         wanted: String,
         /// Names that exist.
         known: Vec<String>,
     },
-    /// A reference to a block that its `if` switches off.
+    /// A reference to a block that is switched off by its `if`.
     #[error("refers to \"{name}\", which its `if` switches off")]
     SwitchedOff {
         /// Block.
         name: String,
     },
-    /// A trigger, motor or latch that waits for something unknown.
+    /// A trigger, motor or latch waits for an unknown word.
     #[error("waits for \"{word}\", which no block logs")]
     UnknownWord {
         /// Word as given.
@@ -141,22 +141,22 @@ pub enum Fault {
         /// Words that exist.
         known: Vec<String>,
     },
-    /// A name of two blocks.
+    /// Two blocks have the same name.
     #[error("has the name of a {other}")]
     DuplicateName {
         /// Family of the other block.
         other: String,
     },
-    /// A name with other characters than lower-case letters, digits and underscores.
+    /// A name contains characters other than lower-case letters, digits and underscores.
     #[error("is not a name of a block")]
     BadName,
-    /// Two fields that say the same thing.
+    /// Two fields exclude each other.
     #[error("has more than one of {}", fields.join(", "))]
     Exclusive {
         /// Fields found.
         fields: Vec<String>,
     },
-    /// A text that is not one of some words.
+    /// A text is not one of the allowed words.
     #[error("is \"{found}\", which is none of {}", words.join(", "))]
     Word {
         /// Text as given.
@@ -164,13 +164,13 @@ pub enum Fault {
         /// Words.
         words: Vec<String>,
     },
-    /// A passage from a space to itself.
+    /// A passage connects a space to itself.
     #[error("leads from \"{space}\" back to itself")]
     SelfLoop {
         /// Space.
         space: String,
     },
-    /// Names that refer to each other.
+    /// Names refer to each other in a cycle.
     #[error("refers to itself: {}", names.join(" -> "))]
     Circle {
         /// Names in order.
@@ -179,7 +179,7 @@ pub enum Fault {
     /// The atmosphere is missing.
     #[error("has no reservoir \"atmosphere\"")]
     NoAtmosphere,
-    /// Faces that a uniform pressure moves.
+    /// A uniform pressure on the faces of a body has a resultant.
     #[error(
         "the faces of body \"{body}\" do not balance: {:.1} mm2 push down, {:.1} mm2 up; {:.1} mm2 feel no pressure",
         down * 1e6, up * 1e6, (down - up).abs() * 1e6
@@ -192,7 +192,7 @@ pub enum Fault {
         /// Area that pushes up \[m2\].
         up: f64,
     },
-    /// A volume that a face shrinks to nothing.
+    /// A face shrinks a volume to nothing.
     #[error("shrinks to {:.3} cm3 with \"{body}\" at {:.3} mm", volume * 1e6, travel * 1e3)]
     Collapse {
         /// Smallest volume \[m3\].
@@ -202,13 +202,13 @@ pub enum Fault {
         /// Travel \[m\].
         travel: f64,
     },
-    /// A volume that nothing can change.
+    /// Nothing can change a volume.
     #[error("has no passage and no face: nothing can change it")]
     Isolated,
-    /// A passage that blows into the atmosphere without a sound.
+    /// A passage discharges into the atmosphere without making noise.
     #[error("blows into the atmosphere without an opening")]
     Unheard,
-    /// Loads that do not add up to the force on the body.
+    /// The loads on a body do not add up to the force on it.
     #[error("the loads on \"{body}\" do not add up to the force on it: {}", differences.join(", "))]
     LoadSum {
         /// Body.
@@ -216,7 +216,7 @@ pub enum Fault {
         /// What is missing or counted twice.
         differences: Vec<String>,
     },
-    /// A spring compressed beyond its law.
+    /// A spring is compressed beyond its law.
     #[error(
         "is compressed by {:.3} mm at the stop \"{stop}\", its law is valid to {:.3} mm",
         compression * 1e3,
@@ -230,7 +230,7 @@ pub enum Fault {
         /// Largest compression of the law \[m\].
         limit: f64,
     },
-    /// Two seats that connect a supply with the atmosphere.
+    /// Two open seats connect a supply to the atmosphere.
     #[error(
         "and \"{other}\" are open together from {:.3} to {:.3} mm of \"{body}\": {reservoir} blows into atmosphere",
         from * 1e3, to * 1e3

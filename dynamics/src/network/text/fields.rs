@@ -18,7 +18,7 @@ pub(super) struct Fields<'r, 'a> {
 }
 
 impl<'r, 'a> Fields<'r, 'a> {
-    /// The fields of a table, all of which must be known. `owner` is what it describes.
+    /// Creates access to the fields of a table, all of which must be known. `owner` names what the table describes.
     pub(super) fn new(
         resolver: &'r Resolver<'a>,
         path: String,
@@ -58,7 +58,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         dotted(&self.path, key)
     }
 
-    /// Place of a field, or of the table that lacks it.
+    /// Location of a field, or of the table in which it is missing.
     fn spot(&self, key: &str) -> &'a Spot {
         &self.node.get(key).unwrap_or(self.node).spot
     }
@@ -81,7 +81,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         })
     }
 
-    /// The error of a field of another kind.
+    /// The error for a field of the wrong kind.
     pub(super) fn wrong(&self, key: &str, expected: &str) -> AssemblyError {
         let found = self.node.get(key).map_or_else(String::new, Node::found);
         let expected = expected.to_owned();
@@ -167,7 +167,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         self.get(key).map(fields).transpose()
     }
 
-    /// The block that a text names, of one of some families.
+    /// The block of one of some families that a text names.
     pub(super) fn block_of(
         &self,
         key: &str,
@@ -227,7 +227,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         Ok(Some(Base::Body(body.index)))
     }
 
-    /// The body that carries the reaction; that of the travel of `on` by default.
+    /// The body that carries the reaction; by default the one relative to which the travel of `on` is measured.
     pub(super) fn against(&self, on: usize, parents: &[Base]) -> Result<Base, AssemblyError> {
         let against = self
             .base("against")?
@@ -273,7 +273,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         items.iter().map(number).collect::<Result<_, _>>().map(Some)
     }
 
-    /// Pairs of quantities in order of the first.
+    /// Pairs of quantities, in ascending order of the first.
     pub(super) fn points(
         &self,
         key: &str,
@@ -303,7 +303,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         Ok(Some(points))
     }
 
-    /// Refuses more than one of some fields, and none of them.
+    /// Requires exactly one of some fields.
     pub(super) fn one_of(&self, keys: &[&str], example: &str) -> Result<(), AssemblyError> {
         let fields: Vec<String> = keys
             .iter()

@@ -1,4 +1,4 @@
-//! Values of keys, which formulas refer to.
+//! Values of keys, to which formulas refer.
 
 use std::collections::BTreeMap;
 
@@ -46,11 +46,11 @@ impl KeyValue {
     }
 }
 
-/// Supplies values of keys by their full names: those of a design, and those that replace a literal of an assembly.
+/// Provides the values of keys by their full names: those of a design, and those that replace a literal of an assembly.
 pub trait Keys {
     /// The value of `path` (`piston.bore`, or `cycle.volume.gas.dead` for a literal), if there is one.
     fn value(&self, path: &str) -> Option<KeyValue>;
-    /// All full names, for the nearest name in messages.
+    /// All full names, for suggestions in messages.
     fn names(&self) -> Vec<String>;
 }
 
@@ -65,8 +65,8 @@ impl Keys for BTreeMap<String, KeyValue> {
 }
 
 impl Parameters {
-    /// Values of all keys of the cycle, with `support.stiffness` and `support.damping` of the support in use, and the
-    /// muffler's kind and area.
+    /// Values of all keys of the cycle, including `support.stiffness` and `support.damping` of the support in use, and
+    /// the muffler's kind and area.
     pub fn keys(&self) -> BTreeMap<String, KeyValue> {
         let mut keys = BTreeMap::new();
         self.visit(&mut |path, spec, value| {

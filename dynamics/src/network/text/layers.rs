@@ -1,4 +1,4 @@
-//! An assembly as layers of files: a base, and files that change it.
+//! An assembly as layers of files: a base, and files that modify it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,13 +28,13 @@ pub const BUILT_IN: [(&str, &str); 7] = [
     ),
 ];
 
-/// The assembly of a design without `[cycle]`.
+/// The assembly used by a design without `[cycle]`.
 const DEFAULT: &str = "n80cb";
 
 /// Largest file of an assembly \[bytes\].
 const LARGEST: u64 = 4_000_000;
 
-/// Largest number of files that change each other.
+/// Largest number of layered files.
 const DEEPEST: usize = 16;
 
 /// Tables that only group the fields of a block.
@@ -82,43 +82,43 @@ pub struct AssemblyText {
     /// The table `cycle`.
     pub(super) cycle: Node,
     declared: BTreeMap<String, DeclaredKey>,
-    /// Values of keys that the files give.
+    /// Values of keys given in the files.
     pub(super) values: BTreeMap<String, Node>,
 }
 
 impl AssemblyText {
-    /// Reads an assembly file with the assemblies that it is based on. Every group of the file must be a standard one
-    /// or be declared under `[keys]`.
+    /// Reads an assembly file and the assemblies it is based on. Every group of the file must be a standard one or be
+    /// declared under `[keys]`.
     ///
     /// # Errors
-    /// A file that cannot be read, is not TOML, or gives an undeclared key.
+    /// If a file cannot be read, is not TOML, or gives an undeclared key.
     pub fn open(document: &Document) -> Result<Self, AssemblyError> {
         Self::open_files(std::slice::from_ref(document))
     }
 
-    /// Reads an assembly whose files are `documents`, the base first.
+    /// Reads an assembly whose files are `documents`, beginning with the base.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// Same as [`open`](Self::open).
     pub fn open_files(documents: &[Document]) -> Result<Self, AssemblyError> {
         let text = Self::open_design(documents)?;
         text.check_values()?;
         Ok(text)
     }
 
-    /// Reads a built-in assembly, if there is one of this name.
+    /// Reads a built-in assembly, if one has this name.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// Same as [`open`](Self::open).
     pub fn built_in(name: &str) -> Option<Result<Self, AssemblyError>> {
         built_in(name).map(|document| Self::open(&document))
     }
 
-    /// Reads the assembly of a design whose files are `documents`, the base first. Without `[cycle]` it is the
+    /// Reads the assembly of a design whose files are `documents`, beginning with the base. Without `[cycle]` it is the
     /// assembly n80cb. Groups that are not declared under `[keys]` are left to the reader of the design.
     ///
     /// # Errors
-    /// A file that cannot be read or is not TOML.
+    /// If a file cannot be read or is not TOML.
     pub fn open_design(documents: &[Document]) -> Result<Self, AssemblyError> {
         let mut text = Self {
             name: String::new(),
@@ -149,11 +149,18 @@ impl AssemblyText {
         &self.declared
     }
 
-    /// The text that the files give for a field by its full name (`cycle.event.t4.becomes`), if it is one.
+    /// The text that the files give for a field with this full name (`cycle.event.t4.becomes`), if it is a text.
     pub fn text_of(&self, path: &str) -> Option<&str> {
         let fields = path.strip_prefix("cycle.")?.split('.');
         let node = fields.into_iter().try_fold(&self.cycle, |node, key| node.get(key))?;
         node.text()
+    }
+
+    /// Names of the surfaces of a body on which the assembly gives the force.
+    pub fn surfaces(&self, body: &str) -> Vec<&str> {
+        let loads = self.cycle.get("load").and_then(|loads| loads.get(body));
+        let entries = loads.map_or(&[][..], Node::entries);
+        entries.iter().map(|entry| entry.key.as_str()).collect()
     }
 
     /// All fields and values of keys, one a line, in alphabetical order: the same for two assemblies that are written
@@ -170,7 +177,7 @@ impl AssemblyText {
         lines.concat()
     }
 
-    /// Adds a document on top of the layers so far, after the assembly that it is based on.
+    /// Adds a document as a layer, after the assembly that it is based on.
     fn add(&mut self, document: &Document, depth: usize) -> Result<(), AssemblyError> {
         let index = self.sources.documents.len();
         self.sources.documents.push(document.clone());
@@ -290,7 +297,7 @@ impl AssemblyText {
         }
     }
 
-    /// Adds an assembly by name: a built-in one, or a file beside the document that names it.
+    /// Adds an assembly by name: a built-in one, or a file next to the document that names it.
     fn add_named(&mut self, name: &str, from: Option<(&Document, Spot)>, depth: usize) -> Result<(), AssemblyError> {
         if let Some(document) = built_in(name) {
             return self.add(&document, depth);
@@ -426,7 +433,7 @@ fn built_in(name: &str) -> Option<Document> {
     Some(Document::new(Path::new(&format!("assemblies/{name}.toml")), text))
 }
 
-/// `path.name`, or `name` in the outermost table.
+/// `path.name`, or `name` in the root table.
 pub(super) fn dotted(path: &str, name: &str) -> String {
     nailnoise_quantities::dotted(path, name)
 }
@@ -447,7 +454,8 @@ fn domain_kind(text: &str) -> Option<Kind> {
     })
 }
 
-/// Removes layout: the fields of a block's layout tables count as its own, and the groups of `let` as one table.
+/// Removes layout: the fields of a block's layout tables become its own, and the groups of `let` are merged into one
+/// table.
 fn canonical(fields: &mut [Entry]) {
     for field in fields {
         let Tree::Table(blocks) = &mut field.node.value else {

@@ -1,4 +1,4 @@
-//! Literals: quantities as values, which are keys themselves.
+//! Literals: quantities given as values, which are themselves keys.
 
 use nailnoise_documents::Place;
 use nailnoise_quantities::dimension::NUMBER;
@@ -7,7 +7,7 @@ use nailnoise_quantities::{Dimension, Kind, Measured, QuantityError, quantity, r
 use super::fault::Fault;
 use super::node::{Node, Tree};
 
-/// A number that an assembly gives in place of a formula.
+/// A number that an assembly gives instead of a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Literal {
     /// Full name, `cycle.volume.gas.dead`.

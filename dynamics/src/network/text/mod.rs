@@ -1,8 +1,8 @@
 //! Assemblies as text: TOML files with formulas over keys, read into an [`Assembly`](super::Assembly).
 //!
-//! A file has three parts. `[cycle]` is the topology: blocks by family and name. `[keys.GROUP]` declares keys of its
-//! own. All other groups give values of keys. A number of a block is a formula over keys ("=disc(piston.bore)") or a
-//! literal ("100 cm3", or a table with value, range and provenance); a literal is itself a key, named by its path
+//! A file has three parts. `[cycle]` is the topology: blocks by family and name. `[keys.GROUP]` declares the assembly's
+//! own keys. All other groups give values of keys. A number of a block is a formula over keys ("=disc(piston.bore)") or
+//! a literal ("100 cm3", or a table with value, range and provenance); a literal is itself a key, named by its path
 //! (`cycle.volume.gas.dead`).
 
 mod blocks;

@@ -1,4 +1,4 @@
-//! Names of blocks, the quantities of their channels and the words that they log.
+//! Names of blocks, quantities of their channels, and the words that they log.
 
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{
@@ -46,7 +46,7 @@ pub(super) struct Block<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Names<'a> {
     pub(super) blocks: Vec<Block<'a>>,
-    /// Names that an `if` switches off.
+    /// Names switched off by an `if`.
     pub(super) off: Vec<&'a str>,
     /// Sensors in order.
     pub(super) sensors: Vec<&'a str>,

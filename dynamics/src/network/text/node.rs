@@ -1,4 +1,4 @@
-//! Values of documents with their places, which several documents share.
+//! Values of documents with their locations, shared by several documents.
 
 use std::ops::Range;
 
@@ -37,7 +37,7 @@ pub(super) enum Tree {
     Text(String),
     Number(f64),
     Flag(bool),
-    /// A value of no use here, in words.
+    /// A value that is not used here, described in words.
     Other(String),
 }
 
@@ -142,7 +142,7 @@ impl Node {
     }
 
     /// Merges another table into this one: tables merge entry by entry, other values replace what they meet. `false`
-    /// removes an entry that is not itself a flag, `replace = true` empties a table first, and a value alone keeps the
+    /// removes an entry that is not itself a flag, `replace = true` clears a table first, and a bare value keeps the
     /// range and provenance of the value that it replaces.
     pub(super) fn merge(&mut self, over: Self) {
         if self.is_literal_table() && !over.is_table() && over.is_value() {
@@ -172,7 +172,7 @@ impl Node {
         }
     }
 
-    /// A quantity as a bare value, no formula.
+    /// Whether it is a quantity given as a bare value and not as a formula.
     fn is_value(&self) -> bool {
         match &self.value {
             Tree::Number(_) => true,
@@ -191,7 +191,7 @@ fn merge_entry(own: &mut Vec<Entry>, entry: Entry) {
         (Some(at), _) => own[at].node.merge(entry.node),
         (None, _) => {
             let mut entry = entry;
-            // The flag `replace` has no meaning in a table that is new.
+            // The flag `replace` has no effect in a new table.
             if let Tree::Table(entries) = &mut entry.node.value {
                 entries.retain(|entry| entry.key != "replace");
             }

@@ -1,4 +1,4 @@
-//! From the text of an assembly to the assembly.
+//! Converts the text of an assembly to the assembly.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use super::literal::Literal;
 use super::resolver::Resolver;
 use crate::network::assembly::Assembly;
 
-/// An assembly with the literals and keys that it uses.
+/// An assembly, with the literals and keys that it uses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
     /// The assembly.
@@ -26,7 +26,7 @@ impl AssemblyText {
     /// Evaluates the assembly.
     ///
     /// # Errors
-    /// The first field, block or law that is wrong, with its place.
+    /// The first field, block or law that is wrong, with its location.
     pub fn resolve(&self, keys: &dyn Keys) -> Result<Resolved, AssemblyError> {
         let resolver = Resolver::new(self, keys)?;
         let assembly = blocks::read(&resolver)?;

@@ -1,4 +1,4 @@
-//! Evaluation of the formulas of an assembly over the values of keys.
+//! Evaluates the formulas of an assembly for given values of keys.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,7 +16,7 @@ use super::names::{self, Block, CHANNELS, Names, family_name, quantities};
 use super::node::{Node, Spot, Tree};
 use crate::network::assembly::{BlockRef, Channel, Expression, Family};
 
-/// Largest number of names that need each other in turn.
+/// Longest chain of names that depend on each other.
 const DEEPEST: usize = 64;
 
 /// The evaluation of one assembly.
@@ -29,7 +29,7 @@ pub(super) struct Resolver<'a> {
 
 #[derive(Debug, Default)]
 struct State {
-    /// Names that are being evaluated, for circles.
+    /// Names being evaluated, to detect cycles.
     stack: Vec<String>,
     /// Values of names that have been evaluated.
     values: BTreeMap<String, Compiled>,
@@ -50,7 +50,7 @@ impl<'a> Resolver<'a> {
         Ok(resolver)
     }
 
-    /// The literals and the keys that were read.
+    /// The literals and keys that were read.
     pub(super) fn finish(self) -> (Vec<Literal>, BTreeSet<String>) {
         let state = self.state.into_inner();
         (state.literals, state.used)
@@ -60,7 +60,7 @@ impl<'a> Resolver<'a> {
         self.text.error(path, spot, fault)
     }
 
-    /// Names of all blocks, with those that an `if` switches off apart.
+    /// Names of all blocks, with those switched off by an `if` listed separately.
     fn collect(&self) -> Result<Names<'a>, AssemblyError> {
         let mut names = Names::default();
         for (table, family) in CHANNELS {
@@ -143,7 +143,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Compiles a formula that stands at a node.
+    /// Compiles a formula at a node.
     pub(super) fn formula(
         &self,
         path: &str,
@@ -232,7 +232,7 @@ impl<'a> Resolver<'a> {
         Ok(Scalar::constant(si, dimension(kind)))
     }
 
-    /// Pressure of the atmosphere, from which a gauge pressure counts \[Pa\].
+    /// Pressure of the atmosphere, to which gauge pressures refer \[Pa\].
     fn ambient_pressure(&self, path: &str, node: &Node) -> Result<f64, AssemblyError> {
         const ATMOSPHERE: &str = "cycle.reservoir.atmosphere.pressure";
         let value = if path == ATMOSPHERE {
@@ -288,7 +288,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The value of a name that other values define, evaluated once; a name may not need itself.
+    /// The value of a name defined by other values, evaluated once; a name must not depend on itself.
     fn once(
         &self,
         name: &str,
@@ -380,7 +380,7 @@ impl<'a> Resolver<'a> {
         known
     }
 
-    /// The error of a name without a meaning.
+    /// The error for a name without a meaning.
     fn unknown(&self, name: &str, wanted: &str, mut known: Vec<String>) -> Trouble {
         known.extend(self.known());
         let near = nailnoise_documents::nearest(known.iter().map(String::as_str), name);
@@ -399,7 +399,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// What a compiled formula is, in words.
+/// Describes a compiled formula in words.
 pub(super) fn kind_of(compiled: &Compiled) -> String {
     match compiled {
         Compiled::Scalar(_) => "a number".to_owned(),
@@ -416,7 +416,7 @@ fn of_key(value: KeyValue) -> Compiled {
     }
 }
 
-/// Dimension of the unit of a quantity; a plain number for a text that is no quantity.
+/// Dimension of the unit of a quantity; dimensionless for a text that is not a quantity.
 fn unit_dimension(text: &str) -> Dimension {
     let unit = text
         .trim()
@@ -445,7 +445,7 @@ impl Scope for KeyScope<'_, '_> {
 /// Names in expressions over the state: channels first, then sensors, names of `[cycle.let]` and keys.
 pub(super) struct StateScope<'r, 'a> {
     pub(super) resolver: &'r Resolver<'a>,
-    /// Whether the channels of blocks that are switched off are zero.
+    /// Whether the channels of switched-off blocks are zero.
     pub(super) off_is_zero: bool,
     /// Dimensions of the sensors in order.
     pub(super) sensors: &'r [Option<Dimension>],

@@ -2,13 +2,13 @@
 
 use nailnoise_meshes::gauss_legendre;
 
-/// Where the points of a [`ContactGrid`] lie.
+/// Distribution of the points of a [`ContactGrid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridRule {
-    /// Gauss-Legendre points and weights, the better default: area, rocking stiffness and the coupling of smooth mode
-    /// shapes are exact, and the outermost points lie nearer the edge, where a rocking block lands.
+    /// Gauss-Legendre points and weights, the better default. Area, rocking stiffness and the coupling of smooth mode
+    /// shapes are exact, and the outermost points lie closer to the edge, where a rocking block lands.
     GaussLegendre,
-    /// Centres of equal cells: every point represents the same area, but n points across lose 1/n^2 of the rocking
+    /// Centres of equal cells: every point represents the same area, but n points per side lose 1/n^2 of the rocking
     /// stiffness (4 % for 5).
     CellCentred,
 }
@@ -16,7 +16,7 @@ pub enum GridRule {
 /// Points (x, y) on the rectangle |x| <= lx/2, |y| <= ly/2 with the areas they represent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactGrid {
-    /// Coordinates \[m\] from the centre, x fastest.
+    /// Coordinates from the centre \[m\], with x varying fastest.
     pub points: Vec<[f64; 2]>,
     /// Tributary areas \[m2\]; their sum is lx ly.
     pub areas: Vec<f64>,

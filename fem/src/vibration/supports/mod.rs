@@ -8,7 +8,7 @@ pub use sand::{
     FoundationStiffness, RectangularBase, Sand, SandError, sand_shear_modulus_angular, sand_shear_modulus_round,
 };
 
-/// Dashpot per area [Pa s/m] of a contact layer of stiffness k'' [Pa/m] that has the loss ratio eta at the frequency f:
+/// Dashpot per area [Pa s/m] of a contact layer of stiffness k'' [Pa/m] with loss factor eta at the frequency f:
 ///
 ///   c'' = eta k''/(2 pi f)
 pub fn contact_dashpot(stiffness: f64, loss_ratio: f64, frequency: f64) -> f64 {

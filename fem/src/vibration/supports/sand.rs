@@ -1,10 +1,10 @@
-//! Sand as an elastic half-space under and around an embedded rectangular block.
+//! Sand as an elastic half-space below and around an embedded rectangular block.
 
 use std::f64::consts::PI;
 
 use thiserror::Error;
 
-/// Input outside the range of the formula used.
+/// An input is outside the range of the formula used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{what} is {value}, but {formula} holds for {range}")]
 pub struct SandError {
@@ -140,7 +140,7 @@ impl Sand {
     }
 
     /// Lysmer's analogue velocity V_La = 3.4 V_s/(pi (1 - nu)) [m/s] (Gazetas, 1991, Foundation Engineering Handbook,
-    /// ch. 15): the apparent speed of the compression-extension waves that a vibrating footing sends down.
+    /// ch. 15): the apparent speed of the compression-extension waves that a vibrating footing radiates downwards.
     fn lysmer_speed(&self) -> f64 {
         3.4 * self.shear_speed() / (PI * (1.0 - self.poisson))
     }
@@ -235,13 +235,13 @@ impl RectangularBase {
         }
     }
 
-    /// Vertical bedding k'' = K_z/(2L 2B) [Pa/m], the same at every point of the base. A rocking base then feels k'' I,
-    /// less than K_rx and K_ry, because a half-space is stiffer towards the edges.
+    /// Vertical bedding modulus k'' = K_z/(2L 2B) [Pa/m], uniform over the base. A rocking base then has a stiffness
+    /// k'' I that is below K_rx and K_ry, because a half-space is stiffer towards the edges.
     pub fn normal_bedding(&self, sand: &Sand) -> f64 {
         self.stiffness(sand).z / self.area()
     }
 
-    /// Shear bedding of the base along x and y, K_x/(2L 2B) and K_y/(2L 2B) [Pa/m].
+    /// Shear bedding moduli of the base along x and y, K_x/(2L 2B) and K_y/(2L 2B) [Pa/m].
     pub fn shear_bedding(&self, sand: &Sand) -> (f64, f64) {
         let k = self.stiffness(sand);
         (k.x / self.area(), k.y / self.area())

@@ -1,36 +1,106 @@
 //! Inputs of the exhaust: its openings, plenum and muffler, and where its jets leave the tool.
 
+use std::f64::consts::PI;
+
 use nailnoise_acoustics::AcousticsError;
 use nailnoise_acoustics::jets::{Opening, PipeFitting, PlenumResonance};
 use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
+use nailnoise_dynamics::network::Assembly;
+use nailnoise_dynamics::network::assembly::{self, Coefficient};
 
 use super::super::housing::sound::NAME as HOUSING;
-use super::sound::{Muffler, Openings};
+use super::sound::{ExhaustOutlet, Muffler, NoisyOpening, Openings, round};
 use crate::design::inputs::air;
 use crate::design::inputs::microphones::{on_axis, tool_height};
 use crate::design::{self, Convention, Design, FittingKind, MufflerKind, VentSource};
 use crate::error::Error;
+use crate::stages::cycle::Engine;
 use crate::stages::microphones::JetOutlet;
 
-/// The openings of a design.
+/// The openings of a design's tool.
 ///
 /// # Errors
 /// Air that cannot be, holes whose area is not that of the cycle, a muffler without losses.
-pub(super) fn openings(design: &Design) -> Result<Openings, Error> {
+pub(super) fn openings(design: &Design, engine: &Engine) -> Result<Openings, Error> {
+    Ok(Openings {
+        air: air(design)?,
+        range_hz: [design.analysis.range_low, design.analysis.exhaust_max_frequency],
+        openings: match engine {
+            Engine::Keys(_) => of_keys(design)?,
+            Engine::Assembly(cycle) => of_assembly(design, &cycle.assembly)?,
+        },
+    })
+}
+
+/// Exhaust holes, then the vent of the trigger valve.
+fn of_keys(design: &Design) -> Result<Vec<NoisyOpening>, Error> {
     let own = &design.exhaust;
     let vent_apart =
         design.sources.convention == Convention::Wrapping && design.sources.trigger_vent == VentSource::Body;
     let holes = Opening {
         count: own.holes as usize,
         diameter: own.hole_diameter,
-        discharge_coefficient: design.chambers.discharge_coefficient,
+        discharge_coefficient: own.discharge_coefficient,
         pitch: Some(own.pitch),
     };
     holes.check_area(own.area())?;
-    Ok(Openings {
-        air: air(design)?,
-        range_hz: [design.analysis.range_low, design.analysis.exhaust_max_frequency],
-        holes,
+    Ok(vec![
+        NoisyOpening {
+            flow: "exhaust".to_owned(),
+            name: "exhaust holes".to_owned(),
+            holes,
+            exhaust: Some(exhaust(design)?),
+            counts_to: None,
+        },
+        NoisyOpening {
+            flow: "vent".to_owned(),
+            name: "trigger vent".to_owned(),
+            holes: round(design.trigger.vent_area),
+            exhaust: None,
+            counts_to: vent_apart.then_some(HOUSING),
+        },
+    ])
+}
+
+/// The openings of an assembly, in its order. Its discharge coefficient is that of its passage.
+fn of_assembly(design: &Design, assembly: &Assembly) -> Result<Vec<NoisyOpening>, Error> {
+    let opening = |own: &assembly::Opening| {
+        let coefficient = match assembly.passages[own.passage].restrictions.get(own.restriction) {
+            Some(restriction) => constant(&restriction.coefficient),
+            None => 1.0,
+        };
+        let count = own.count.max(1.0);
+        Ok(NoisyOpening {
+            flow: own.name.clone(),
+            name: own.name.replace('_', " "),
+            holes: Opening {
+                count: count as usize,
+                diameter: (4.0 * own.area / (PI * count)).sqrt(),
+                discharge_coefficient: coefficient,
+                pitch: own.pitch,
+            },
+            exhaust: match own.outlet.as_deref() {
+                Some("exhaust") => Some(exhaust(design)?),
+                _ => None,
+            },
+            counts_to: None,
+        })
+    };
+    assembly.openings.iter().map(opening).collect()
+}
+
+/// A discharge coefficient for the jet: of one that depends on the pressure ratio, the middle of its range.
+fn constant(coefficient: &Coefficient) -> f64 {
+    match coefficient {
+        Coefficient::Constant(value) => *value,
+        Coefficient::RatioPolynomial { from, to, .. } => 0.5 * (from + to),
+    }
+}
+
+/// Plenum, pipe and muffler of the group `exhaust`.
+fn exhaust(design: &Design) -> Result<ExhaustOutlet, Error> {
+    let own = &design.exhaust;
+    Ok(ExhaustOutlet {
         plenum: own.plenum.resonance.then_some(PlenumResonance {
             volume: own.plenum.volume,
             neck_length: own.plenum.neck_length,
@@ -42,8 +112,6 @@ pub(super) fn openings(design: &Design) -> Result<Openings, Error> {
             outlet_mach: own.fitting.outlet_mach,
         }),
         muffler: muffler(&own.muffler)?,
-        vent_area: design.trigger.vent_area,
-        vent_counts_to: vent_apart.then_some(HOUSING),
     })
 }
 

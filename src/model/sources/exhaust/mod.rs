@@ -5,16 +5,16 @@ mod notes;
 pub(super) mod sound;
 
 use nailnoise_acoustics::jets::ExhaustNoise;
-use nailnoise_dynamics::CycleRecord;
 
 use self::inputs::{openings, outlet};
 use self::sound::{CODE, Cycles, Exhaust, ExhaustSound, NAME, Outflow, OutflowNoise, noise};
 use super::{Compared, Source, SourceStages};
-use crate::chain::{Context, Drive, Motions, ShotStages, cycle, cycle_stage};
+use crate::chain::{Context, Drive, Motions, ShotStages, engine, shot};
 use crate::design::inputs::notes::exhaust_max_frequency;
 use crate::design::{Design, MufflerKind};
 use crate::error::Error;
 use crate::measurement::wrapping::Role;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::notes::SourceNotes;
 use crate::stages::{Code, Stored};
 
@@ -42,13 +42,24 @@ impl Source for ExhaustAir {
         Some("Parts of the exhaust")
     }
 
+    fn is_present(&self, engine: &Engine) -> bool {
+        match engine {
+            Engine::Keys(_) => true,
+            Engine::Assembly(cycle) => !cycle.assembly.openings.is_empty(),
+        }
+    }
+
     fn add(&self, shot: &ShotStages<'_>) -> Result<SourceStages, Error> {
         let outflow = outflow(shot, &shot.cycle, shot.motions.two_way)?;
         let one_way = shot.coupled.as_ref().map(|_| {
             let outflow = self::outflow(shot, &shot.motions.lumped, false)?;
             Ok::<_, Error>(shot.energy(ExhaustSound(outflow)))
         });
-        let (openings, cycle, known) = (openings(shot.context.design)?, shot.cycle.clone(), outflow.clone());
+        let (openings, cycle, known) = (
+            openings(shot.context.design, &shot.motions.engine)?,
+            shot.cycle.clone(),
+            outflow.clone(),
+        );
         let (on_shot, [_, range_high]) = (exhaust_max_frequency(shot.context.design), shot.motions.range_hz);
         Ok(SourceStages {
             source: &ExhaustAir,
@@ -78,21 +89,23 @@ impl Source for ExhaustAir {
 
 /// Noise of the outflow in a shot. If the insertion loss of a muffler was measured, the holes sound in the same shot
 /// without that muffler.
-fn outflow(shot: &ShotStages<'_>, cycle: &Stored<CycleRecord>, two_way: bool) -> Result<Stored<Outflow>, Error> {
+fn outflow(shot: &ShotStages<'_>, cycle: &Stored<ShotRecord>, two_way: bool) -> Result<Stored<Outflow>, Error> {
     let unmuffled = without_measured_muffler(shot.context.design).map(|bare| {
         let context = Context {
             design: &bare,
             ..shot.context
         };
+        let engine = engine(&bare)?;
         let drive = Drive {
-            lumped: shot.context.graph.add(cycle_stage(&bare)?),
+            lumped: shot.context.graph.add(engine.clone()),
+            engine,
             force_scale: shot.motions.force_scale,
         };
         let motions = Motions::new(context, shot.bodies, shot.radiators, drive)?;
         Ok::<_, Error>(motions.driven(0, two_way).cycle)
     });
     Ok(shot.context.graph.add(OutflowNoise {
-        openings: openings(shot.context.design)?,
+        openings: openings(shot.context.design, &shot.motions.engine)?,
         cycles: Cycles {
             shot: cycle.clone(),
             unmuffled: unmuffled.transpose()?,
@@ -115,8 +128,10 @@ fn without_measured_muffler(design: &Design) -> Option<Design> {
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub fn noise_of_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
-    let unmuffled = without_measured_muffler(design).as_ref().map(cycle).transpose()?;
+pub fn noise_of_openings(design: &Design, record: &ShotRecord) -> Result<Vec<ExhaustNoise>, Error> {
+    let unmuffled = without_measured_muffler(design).as_ref().map(shot).transpose()?;
     let holes = unmuffled.as_ref().unwrap_or(record);
-    Ok(noise(&openings(design)?, holes, record)?.details.openings)
+    Ok(noise(&openings(design, &engine(design)?)?, holes, record)?
+        .details
+        .openings)
 }

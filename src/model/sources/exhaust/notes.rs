@@ -1,14 +1,14 @@
 //! What a reader of the levels of the exhaust should know.
 
 use nailnoise_acoustics::jets::ValveNoise;
-use nailnoise_dynamics::CycleRecord;
 
 use super::sound::{ExhaustDetails, Muffler, Openings};
+use crate::stages::cycle::ShotRecord;
 
 /// Notes on the methods of the exhaust, whose levels end at `range_high` \[Hz\].
 pub(super) fn methods(
     range_high: f64,
-    record: &CycleRecord,
+    record: &ShotRecord,
     openings: &Openings,
     exhaust: &ExhaustDetails,
 ) -> Vec<String> {
@@ -38,22 +38,28 @@ pub(super) fn methods(
     if let Some(jet) = exhaust.merged {
         notes.push(format!(
             "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
-            openings.holes.count,
-            1e3 * openings.holes.pitch.unwrap_or_default(),
+            openings.exhaust().map_or(0, |(own, _)| own.holes.count),
+            1e3 * openings
+                .exhaust()
+                .and_then(|(own, _)| own.holes.pitch)
+                .unwrap_or_default(),
             1e3 * jet.diameter
         ));
     }
-    if let Some(fitting) = &openings.fitting {
+    let outlet = openings.exhaust().map(|(_, outlet)| outlet);
+    let temperature = exhaust.openings.first().map(|holes| holes.outflow_temperature);
+    if let (Some(fitting), Some(temperature)) = (outlet.and_then(|own| own.fitting.as_ref()), temperature) {
+        let limit = fitting
+            .filled(temperature, &openings.air)
+            .map_or(f64::NAN, |filled| filled.plane_wave_limit());
         notes.push(format!(
-            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that \
-             its jet \
-             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; \
-             the uncertainty of the \
-             level holds the case that they are",
-            fitting.plane_wave_limit(&openings.air)
+            "exhaust fitting: plane waves up to {limit:.0} Hz in the outflow's gas at {temperature:.0} K, between \
+             choked holes and an open end that its jet damps; above, the outflow radiates as if there were no \
+             fitting. The jets of the holes are not filtered; the uncertainty of the level holds the case that they \
+             are"
         ));
     }
-    match openings.muffler {
+    match outlet.and_then(|own| own.muffler.as_ref()) {
         None => {}
         Some(Muffler::InsertionLoss(_)) => notes.push(
             "muffler: its measured insertion loss is subtracted from the sound of the same shot without it; its back \

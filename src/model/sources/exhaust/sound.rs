@@ -10,12 +10,13 @@ use nailnoise_acoustics::jets::{
 use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
 use nailnoise_acoustics::signals::fourier::TransformSettings;
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level, energy_weights};
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::FlowHistory as OpeningFlow;
 use serde::Serialize;
 
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, JetOutlet, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource, SourceHistory, parts_of};
@@ -45,6 +46,18 @@ const MODEL_BAND: f64 = 4.0;
 /// The basis of [`MODEL_BAND`] in words.
 const MODEL_BASIS: &str = "distance of the jet correlations from a published fit to measured jets of millimetre holes";
 
+/// Uncertainty of the level of jets that blow into a fitting \[dB\].
+///
+/// The correlations are of free jets. In a pipe of some hole diameters, jets entrain gas that already moves, strike
+/// walls and bends of unknown position, and their quadrupoles drive cross modes instead of the open air. A decrease of
+/// the velocity difference by a tenth lowers their power by 3.7 dB (eighth power), and the scattering of jet noise at
+/// an edge raises it by a similar amount. The band of free jets is therefore widened by 2 dB either way.
+const CONFINED_BAND: f64 = 6.0;
+
+/// The basis of [`CONFINED_BAND`] in words.
+const CONFINED_BASIS: &str = "the correlations are of free jets, and these blow into a fitting: 6 dB instead of 4; \
+                              they radiate unchanged, or as its resonances amplify the outflow";
+
 /// Largest relative difference between the mass that leaves in the cycle and that of the expanded jets.
 const MASS_GAP: f64 = 0.05;
 
@@ -55,18 +68,41 @@ pub(crate) struct Openings {
     pub(crate) air: Air,
     /// Analysed range \[Hz\].
     pub(crate) range_hz: [f64; 2],
-    /// The exhaust holes.
+    /// Each opening of the tool, those that count to another source last.
+    pub(crate) openings: Vec<NoisyOpening>,
+}
+
+/// An opening to the atmosphere that makes noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct NoisyOpening {
+    /// Name of its flow in the shot.
+    pub(crate) flow: String,
+    /// Its name in results.
+    pub(crate) name: String,
+    /// Its holes.
     pub(crate) holes: Opening,
+    /// Plenum, pipe and muffler of the exhaust, if it is the exhaust of the tool.
+    pub(crate) exhaust: Option<ExhaustOutlet>,
+    /// Name of the source to which it counts, if not to the exhaust.
+    pub(crate) counts_to: Option<&'static str>,
+}
+
+/// What the air of the exhaust passes at its holes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct ExhaustOutlet {
     /// Resonance of the plenum, where it filters the unsteady outflow.
     pub(crate) plenum: Option<PlenumResonance>,
     /// Pipe on the holes.
     pub(crate) fitting: Option<PipeFitting>,
     /// What the air passes behind the holes.
     pub(crate) muffler: Option<Muffler>,
-    /// Effective area of the trigger valve's vent, its discharge coefficient included \[m²\].
-    pub(crate) vent_area: f64,
-    /// Name of the source to which the vent counts, if not to the exhaust.
-    pub(crate) vent_counts_to: Option<&'static str>,
+}
+
+impl Openings {
+    /// The exhaust of the tool, if it has one.
+    pub(crate) fn exhaust(&self) -> Option<(&NoisyOpening, &ExhaustOutlet)> {
+        self.openings.iter().find_map(|own| Some((own, own.exhaust.as_ref()?)))
+    }
 }
 
 /// A muffler behind the exhaust holes.
@@ -129,9 +165,9 @@ impl ExhaustDetails {
 #[derive(Clone, Serialize)]
 pub(crate) struct Cycles {
     /// That of the shot.
-    pub(crate) shot: Stored<CycleRecord>,
+    pub(crate) shot: Stored<ShotRecord>,
     /// That of the same shot without a muffler, where the insertion loss of the muffler was measured.
-    pub(crate) unmuffled: Option<Stored<CycleRecord>>,
+    pub(crate) unmuffled: Option<Stored<ShotRecord>>,
 }
 
 /// Noise of the openings in the outflow of a shot.
@@ -225,7 +261,7 @@ pub(crate) struct Exhaust {
     /// The microphones.
     pub(crate) microphones: MicrophoneArray,
     /// The cycle of the shot, whose events separate the intervals.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// End of all records of the shot \[s\].
     pub(crate) end: Stored<f64>,
     /// Seed of the jets' noise in the signals at the microphones.
@@ -270,10 +306,9 @@ impl Stage for Exhaust {
     }
 }
 
-/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it
-/// is apart.
+/// The noise of all openings from the shot's flow, and that of the vent by itself where it is apart.
 ///
-/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion
+/// The exhaust sounds in the shot `through_holes`, all other openings in `shot`; both are the same unless the insertion
 /// loss of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies
 /// to the holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas
 /// inside the muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its
@@ -281,9 +316,8 @@ impl Stage for Exhaust {
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &CycleRecord) -> Result<Outflow, Error> {
+pub(crate) fn noise(inputs: &Openings, through_holes: &ShotRecord, shot: &ShotRecord) -> Result<Outflow, Error> {
     let air = &inputs.air;
-    let chamber = matches!(inputs.muffler, Some(Muffler::Chamber { .. }));
     let bare = ExhaustSettings {
         transform: TransformSettings {
             range_hz: inputs.range_hz,
@@ -291,89 +325,91 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &Cycle
         },
         ..ExhaustSettings::default()
     };
-    let through = |pressure: &[f64], behind: Option<&[f64]>, mass: &[f64], temperature: &[f64]| FlowHistory {
-        sample_interval: shot.sample_interval,
-        mass_flow: mass.to_vec(),
-        pressure: pressure.to_vec(),
-        temperature: temperature.to_vec(),
-        back_pressure: behind.map(<[f64]>::to_vec),
-    };
-    let holes = &through_holes.exhaust;
-    let flow = through(
-        &holes.plenum_pressure,
-        chamber.then_some(holes.back_pressure.as_slice()),
-        &holes.mass_flow,
-        &holes.stagnation_temperature,
-    );
-    let jets = inputs.holes.merged();
-    let settings = ExhaustSettings {
-        plenum: inputs.plenum,
-        fitting: inputs.fitting,
-        muffler: inputs.muffler.as_ref().map(|muffler| match muffler {
-            Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
-            Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
-                outlet_mach: outlet_mach(through_holes, air),
-                ..chain.clone()
-            }),
-        }),
-        ..bare.clone()
-    };
-    let noise = exhaust_noise("exhaust holes", &flow, &jets, air, &settings)?;
-    let mut parts = parts_of(&noise.spectrum);
-    let mass_gap = if noise.mass > 0.0 {
-        noise.jet_mass / noise.mass - 1.0
-    } else {
-        0.0
-    };
-    let outside_range = noise.mixing_outside_range;
-    let method = noise.spectrum.method.clone();
-    let mut jets_energy = noise.mixing_energy + noise.shock_energy;
-    let mut valve_noise = ValveNoise::DRILLED_PLATE.energy(&flow, air);
-    let mut openings = vec![noise];
-    if let Some(Muffler::Chamber { outlet_area, .. }) = inputs.muffler {
-        // The sound of the holes' outflow has already passed the muffler; the tail pipe adds its own jet only.
-        let tail = through(
-            &holes.back_pressure,
-            None,
-            &holes.mass_flow,
-            &holes.stagnation_temperature,
-        );
-        let outlet = ExhaustSettings {
-            unsteady_flow: false,
-            ..bare.clone()
+    // Where the tool has an exhaust, the check and the second method are of its jets alone.
+    let of_exhaust = inputs.exhaust().is_some();
+    let mut sum = JetSum::default();
+    let (mut parts, mut openings, mut vent_alone) = (Vec::new(), Vec::new(), None);
+    let (mut main, mut method) = (None::<MainJet>, None);
+    for own in &inputs.openings {
+        let of = own.exhaust.as_ref().map_or(shot, |_| through_holes);
+        let Some(record) = of.opening(&own.flow) else { continue };
+        let muffler = own.exhaust.as_ref().and_then(|exhaust| exhaust.muffler.as_ref());
+        let chamber = matches!(muffler, Some(Muffler::Chamber { .. }));
+        let flow = FlowHistory {
+            sample_interval: of.sample_interval,
+            mass_flow: record.mass_flow.clone(),
+            pressure: record.pressure.clone(),
+            temperature: record.temperature.clone(),
+            back_pressure: chamber.then(|| record.back_pressure.clone()),
         };
-        let noise = exhaust_noise("muffler outlet", &tail, &round(outlet_area), air, &outlet)?;
-        jets_energy += noise.mixing_energy + noise.shock_energy;
-        valve_noise += ValveNoise::DRILLED_PLATE.energy(&tail, air);
-        parts.push(noise.spectrum.clone());
+        let counted = own.exhaust.is_some() || !of_exhaust;
+        let (jets, settings) = match &own.exhaust {
+            None => (own.holes, bare.clone()),
+            Some(exhaust) => (own.holes.merged(), exhaust.settings(record, air, &bare)),
+        };
+        let noise = exhaust_noise(&own.name, &flow, &jets, air, &settings)?;
+        method.get_or_insert_with(|| noise.spectrum.method.clone());
+        if counted {
+            sum.add(&noise, &flow, air);
+        }
+        if counted && main.as_ref().is_none_or(|main| main.mass < noise.mass) {
+            main = Some(MainJet {
+                mass: noise.mass,
+                place: openings.len(),
+                merged: (jets != own.holes).then_some(jets),
+                screech: screech_track(&flow, &jets, air),
+            });
+        }
+        if let Some(to) = own.counts_to {
+            vent_alone = Some((self::vent_alone(&noise), to));
+        } else {
+            // The two parts of the exhaust, its jets and its unsteady flow, are parts of the source.
+            match &own.exhaust {
+                Some(_) => parts.extend(parts_of(&noise.spectrum)),
+                None => parts.push(noise.spectrum.clone()),
+            }
+        }
         openings.push(noise);
+        if let Some(Muffler::Chamber { outlet_area, .. }) = muffler {
+            // The sound of the holes' outflow has already passed the muffler; the tail pipe adds its own jet only.
+            let tail = FlowHistory {
+                pressure: record.back_pressure.clone(),
+                back_pressure: None,
+                ..flow
+            };
+            let outlet = ExhaustSettings {
+                unsteady_flow: false,
+                ..bare.clone()
+            };
+            let noise = exhaust_noise("muffler outlet", &tail, &round(*outlet_area), air, &outlet)?;
+            sum.energy += noise.mixing_energy + noise.shock_energy;
+            sum.valve_noise += ValveNoise::DRILLED_PLATE.energy(&tail, air);
+            parts.push(noise.spectrum.clone());
+            openings.push(noise);
+        }
     }
-    let vent = &shot.vent;
-    let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
-    let vent = exhaust_noise("trigger vent", &vent, &round(inputs.vent_area), air, &bare)?;
-    let vent_alone = inputs.vent_counts_to.map(|to| (vent_alone(&vent), to));
-    if vent_alone.is_none() {
-        parts.push(vent.spectrum.clone());
-    }
-    openings.push(vent);
-    let own = openings.len() - usize::from(inputs.vent_counts_to.is_some());
-    let (valve_noise_lw, jets_lw) = (energy_level(valve_noise), energy_level(jets_energy));
-    let spectrum = SourceSpectrum::sum(NAME, method, &parts);
-    let [minus, plus] = match &inputs.fitting {
-        Some(fitting) => amplified_jets(fitting, &openings[0], &spectrum, air)?,
-        None => [0.0, 0.0],
+    let own = openings.len() - usize::from(vent_alone.is_some());
+    let (valve_noise_lw, jets_lw) = (energy_level(sum.valve_noise), energy_level(sum.energy));
+    let spectrum = SourceSpectrum::sum(NAME, method.unwrap_or_default(), &parts);
+    let main = main.unwrap_or_default();
+    let fitting = inputs.exhaust().and_then(|(_, exhaust)| exhaust.fitting.as_ref());
+    let [minus, plus] = match fitting {
+        Some(fitting) if main.place < openings.len() => amplified_jets(fitting, &openings[main.place], &spectrum, air)?,
+        _ => [0.0, 0.0],
     };
-    let mut basis = MODEL_BASIS.to_owned();
-    if inputs.fitting.is_some() {
-        basis.push_str("; jets inside the fitting radiate unchanged, or as its resonances amplify the outflow");
+    let (mut band, mut basis) = (MODEL_BAND, MODEL_BASIS.to_owned());
+    if fitting.is_some() {
+        band = CONFINED_BAND;
+        basis.push_str("; ");
+        basis.push_str(CONFINED_BASIS);
     }
     let sound = Sound {
         spectrum,
         signals: Vec::new(),
         openings: openings[..own].iter().map(|opening| opening.history.clone()).collect(),
         uncertainty: Uncertainty {
-            minus: Some(MODEL_BAND + minus),
-            plus: Some(MODEL_BAND + plus),
+            minus: Some(band + minus),
+            plus: Some(band + plus),
             basis,
         },
         cross_check: Some(CrossCheck {
@@ -387,18 +423,79 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &Cycle
     let details = ExhaustDetails {
         valve_noise_lw,
         jets_lw,
-        mass_gap,
-        outside_range,
-        merged: (jets != inputs.holes).then_some(jets),
+        mass_gap: sum.mass_gap(),
+        outside_range: openings.get(main.place).map_or(0.0, |main| main.mixing_outside_range),
+        merged: main.merged,
         unmuffled_checks: Vec::new(),
         openings,
-        screech: screech_track(&flow, &jets, air),
+        screech: main.screech,
     };
     Ok(Outflow {
         sound,
         vent: vent_alone,
         details,
     })
+}
+
+/// The opening through which most air leaves.
+#[derive(Default)]
+struct MainJet {
+    /// Mass that leaves \[kg\].
+    mass: f64,
+    /// Its place among the openings.
+    place: usize,
+    /// The jet into which those of its holes merge, if they do.
+    merged: Option<Opening>,
+    /// Its screech frequency over the cycle \[Hz\].
+    screech: Vec<Option<f64>>,
+}
+
+/// The jets of several openings together.
+#[derive(Default)]
+struct JetSum {
+    /// Energy of their mixing and shock noise \[J\].
+    energy: f64,
+    /// The same by the efficiencies of IEC 60534-8-3 \[J\].
+    valve_noise: f64,
+    /// Mass that leaves \[kg\].
+    mass: f64,
+    /// Mass that the expanded jets carry \[kg\].
+    jet_mass: f64,
+}
+
+impl JetSum {
+    fn add(&mut self, noise: &ExhaustNoise, flow: &FlowHistory, air: &Air) {
+        self.energy += noise.mixing_energy + noise.shock_energy;
+        self.valve_noise += ValveNoise::DRILLED_PLATE.energy(flow, air);
+        self.mass += noise.mass;
+        self.jet_mass += noise.jet_mass;
+    }
+
+    fn mass_gap(&self) -> f64 {
+        if self.mass > 0.0 {
+            self.jet_mass / self.mass - 1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+impl ExhaustOutlet {
+    /// Settings of the noise of holes with this outlet.
+    fn settings(&self, flow: &OpeningFlow, air: &Air, bare: &ExhaustSettings) -> ExhaustSettings {
+        ExhaustSettings {
+            plenum: self.plenum,
+            fitting: self.fitting,
+            muffler: self.muffler.as_ref().map(|muffler| match muffler {
+                Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
+                Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
+                    outlet_mach: outlet_mach(flow, air),
+                    ..chain.clone()
+                }),
+            }),
+            ..bare.clone()
+        }
+    }
 }
 
 /// The trigger vent as a sound of its own.
@@ -426,6 +523,7 @@ fn amplified_jets(
     air: &Air,
 ) -> Result<[f64; 2], Error> {
     let spectrum = &holes.spectrum;
+    let fitting = fitting.filled(holes.outflow_temperature, air)?;
     let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
     let jets = |at: usize| -> f64 {
         let jets = spectrum.contributions.iter().filter(|part| part.name != UNSTEADY_FLOW);
@@ -433,7 +531,7 @@ fn amplified_jets(
     };
     let (mut less, mut more) = (0.0, 0.0);
     for (at, (&hz, weight)) in spectrum.frequency.iter().zip(weights).enumerate() {
-        let change = weight * jets(at) * (fitting.gain(hz, air)? - 1.0);
+        let change = weight * jets(at) * (fitting.gain(hz)? - 1.0);
         *(if change < 0.0 { &mut less } else { &mut more }) += change;
     }
     let total = whole.energy(whole.range_hz, Weighting::A);
@@ -446,7 +544,7 @@ fn amplified_jets(
 }
 
 /// A round hole without contraction of this effective area \[m²\].
-fn round(effective_area: f64) -> Opening {
+pub(super) fn round(effective_area: f64) -> Opening {
     Opening {
         count: 1,
         diameter: (4.0 * effective_area / PI).sqrt(),
@@ -456,15 +554,9 @@ fn round(effective_area: f64) -> Opening {
 }
 
 /// Mach number of the flow out of a muffler, at most 1, averaged over the mass that leaves.
-fn outlet_mach(record: &CycleRecord, air: &Air) -> f64 {
-    let flow = &record.exhaust;
+fn outlet_mach(flow: &OpeningFlow, air: &Air) -> f64 {
     let (mut mass, mut sum) = (0.0, 0.0);
-    for ((flow, behind), temperature) in flow
-        .mass_flow
-        .iter()
-        .zip(&flow.back_pressure)
-        .zip(&flow.stagnation_temperature)
-    {
+    for ((flow, behind), temperature) in flow.mass_flow.iter().zip(&flow.back_pressure).zip(&flow.temperature) {
         if let Some(jet) = Jet::expand(*behind, *temperature, air).filter(|_| *flow > 0.0) {
             sum += flow * jet.mach.min(1.0);
             mass += flow;

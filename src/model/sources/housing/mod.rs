@@ -14,12 +14,12 @@ use crate::design::inputs;
 use crate::error::Error;
 use crate::measurement::wrapping::Role;
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::{Engine, ShotRecord, TOOL};
 use crate::stages::notes::{SourceNotes, radiation_note};
 use crate::stages::sources::SourceSound;
 use crate::stages::spectra::BodyMotion;
 use crate::stages::tool_response::{Stiffness, ToolChecks};
 use crate::stages::{Code, Stored};
-use nailnoise_dynamics::CycleRecord;
 
 /// The tool's housing, whose name in results is that of the tool's body.
 pub(super) struct Housing;
@@ -45,6 +45,10 @@ impl Source for Housing {
         &[BodyKind::Tool]
     }
 
+    fn is_present(&self, engine: &Engine) -> bool {
+        inputs::assembly::has_body(engine, TOOL)
+    }
+
     fn add(&self, shot: &ShotStages<'_>) -> Result<SourceStages, Error> {
         let motion = shot.tool.as_ref().map(|tool| tool.motion.clone());
         let own = emission(shot, &shot.cycle, motion);
@@ -57,7 +61,7 @@ impl Source for Housing {
             }),
             end: shot.end.clone(),
             microphones: shot.microphones.clone(),
-            sphere: inputs::microphones::tool_sphere(shot.context.design),
+            sphere: inputs::microphones::tool_sphere(shot.context.design, &shot.motions.engine),
         });
         let one_way = shot.coupled.is_some().then(|| {
             let lumped = &shot.motions.lumped;
@@ -73,6 +77,7 @@ impl Source for Housing {
             report: None,
         });
         let report = shot.tool_report.clone();
+        let rigid = inputs::assembly::rigid_housing(shot.context.design, &shot.motions.engine);
         Ok(SourceStages {
             source: &Housing,
             analysis: shot.analysis(own),
@@ -84,14 +89,18 @@ impl Source for Housing {
             },
             notes: Box::new(move |sound| {
                 let report: Option<Arc<ToolChecks>> = report.as_ref().map(Stored::get).transpose()?;
-                Ok(notes(sound, report.as_ref().map(|report| &report.stiffness)))
+                Ok(notes(
+                    sound,
+                    report.as_ref().map(|report| &report.stiffness[..]),
+                    rigid.as_deref(),
+                ))
             }),
         })
     }
 }
 
 /// Sound of the housing in a cycle, with its vibration if it is elastic.
-fn emission(shot: &ShotStages<'_>, cycle: &Stored<CycleRecord>, motion: Option<Stored<BodyMotion>>) -> HousingSound {
+fn emission(shot: &ShotStages<'_>, cycle: &Stored<ShotRecord>, motion: Option<Stored<BodyMotion>>) -> HousingSound {
     let design = shot.context.design;
     let tool = shot.radiators.tool.as_ref();
     let cap = tool.and_then(|tool| tool.cap.as_ref());
@@ -109,23 +118,24 @@ fn emission(shot: &ShotStages<'_>, cycle: &Stored<CycleRecord>, motion: Option<S
                 counts_to: EXHAUST,
             }),
         }),
-        volume: design.body.volume(design.piston.bore),
+        volume: inputs::assembly::tool_volume(design, &shot.motions.engine),
         air: shot.context.air,
         range_hz: shot.motions.range_hz,
         cycle: cycle.clone(),
     }
 }
 
-fn notes(sound: &SourceSound, stiffness: Option<&[Stiffness; 2]>) -> SourceNotes {
+fn notes(sound: &SourceSound, stiffness: Option<&[Stiffness]>, rigid: Option<&str>) -> SourceNotes {
     let radiation = sound.source().radiation.as_ref();
-    let Some([cap, rim]) = stiffness else {
+    let Some(stiffness) = stiffness else {
         let difference = radiation.and_then(|report| report.surface_difference_db);
         let difference = difference.map_or_else(String::new, |decibels| {
             format!("; power of the equivalent sphere from its surface {decibels:+.3} dB relative to its far field")
         });
         return SourceNotes {
             shot: vec![format!(
-                "body: rigid motion only, without the vibration of its housing: a lower bound{difference}"
+                "body: rigid motion only, without the vibration of its housing: a lower bound{difference}{}",
+                rigid.map_or_else(String::new, |rigid| format!("; {rigid}"))
             )],
             methods: Vec::new(),
         };
@@ -133,20 +143,22 @@ fn notes(sound: &SourceSound, stiffness: Option<&[Stiffness; 2]>) -> SourceNotes
     let estimate = "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an \
         oscillating \
                     sphere of its volume; an estimate of which there is no second evaluation";
-    let stiffness = format!(
-        "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's \
-         contact: {:.0}) \
-         and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
-        1e-6 * cap.body,
-        cap.place,
-        1e-6 * cap.contact,
-        1e-6 * rim.body,
-        rim.place,
-        1e-6 * rim.contact
-    );
+    let stiffness = match stiffness {
+        [cap, rim] => Some(format!(
+            "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's \
+             contact: {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
+            1e-6 * cap.body,
+            cap.place,
+            1e-6 * cap.contact,
+            1e-6 * rim.body,
+            rim.place,
+            1e-6 * rim.contact
+        )),
+        _ => None,
+    };
     let solved = radiation.map(|report| radiation_note("body, without the workpiece", report));
     SourceNotes {
         shot: radiation.is_none().then(|| estimate.to_owned()).into_iter().collect(),
-        methods: solved.into_iter().chain([stiffness]).collect(),
+        methods: solved.into_iter().chain(stiffness).collect(),
     }
 }

@@ -8,7 +8,6 @@ use nailnoise_acoustics::radiation::{
 };
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nailnoise_dynamics::CycleRecord;
 use nailnoise_meshes::open_faces;
 use nalgebra::Complex;
 use serde::Serialize;
@@ -17,6 +16,7 @@ use crate::error::Error;
 use crate::result::{CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
 use crate::stages::bodies::Body;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, MicrophoneArray, ToolSphere};
 use crate::stages::sound::{Sound, SoundSource};
@@ -65,7 +65,7 @@ pub(crate) struct HousingSound {
     /// Range over which sources are compared \[Hz\].
     pub(crate) range_hz: [f64; 2],
     /// The cycle.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
 }
 
 /// A housing as a radiator with pressures at the microphones.
@@ -157,9 +157,9 @@ impl HousingSound {
         })
     }
 
-    fn rigid<'a>(&'a self, record: &'a CycleRecord) -> RigidSphere<'a> {
+    fn rigid<'a>(&'a self, record: &'a ShotRecord) -> RigidSphere<'a> {
         RigidSphere {
-            acceleration: &record.tool.acceleration,
+            acceleration: record.tool_acceleration(),
             sample_interval: record.sample_interval,
             volume: self.volume,
             air: &self.air,
@@ -173,7 +173,7 @@ impl HousingSound {
         (bem, detail): (&ModalBem, Detail),
         body: &Body,
         moving: &MovingBody<'_>,
-        record: &CycleRecord,
+        record: &ShotRecord,
     ) -> Result<Sound, Error> {
         let mut sound = Sound::from(bem.sound(NAME, &[*moving], detail)?);
         if detail == Detail::Report {
@@ -195,7 +195,7 @@ impl HousingSound {
         bem: &ModalBem,
         body: &Body,
         spectra: &ModalSpectra,
-        record: &CycleRecord,
+        record: &ShotRecord,
     ) -> Result<SourceSpectrum, Error> {
         let mut elastic = spectra.clone();
         elastic
@@ -213,7 +213,7 @@ impl HousingSound {
 
     /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the
     /// radiation efficiency of that sphere.
-    fn as_sphere(&self, body: &Body, spectra: &ModalSpectra, record: &CycleRecord) -> Result<Sound, Error> {
+    fn as_sphere(&self, body: &Body, spectra: &ModalSpectra, record: &ShotRecord) -> Result<Sound, Error> {
         let mut sound = Sound::from(self.rigid(record).sound(NAME)?);
         sound.spectrum.source = "rigid motion".to_owned();
         let (rigid, surface) = (rigid_modes(body), &body.surface);

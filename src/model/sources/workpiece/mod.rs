@@ -14,6 +14,7 @@ use crate::model::supports;
 use crate::result::RadiationReport;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::{Engine, WORKPIECE};
 use crate::stages::notes::{SourceNotes, decibels, radiation_note};
 use crate::stages::radiation::OpenFaces;
 use crate::stages::response::{ResponseReport, Vibration};
@@ -49,6 +50,10 @@ impl Source for Workpiece {
 
     fn radiation_table(&self) -> String {
         "radiation".to_owned()
+    }
+
+    fn is_present(&self, engine: &Engine) -> bool {
+        inputs::assembly::has_body(engine, WORKPIECE)
     }
 
     fn add(&self, shot: &ShotStages<'_>) -> Result<SourceStages, Error> {

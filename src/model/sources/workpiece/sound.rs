@@ -3,12 +3,12 @@
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_acoustics::radiation::radiator::{Detail, FluidLoads, Loading, MovingBody, Pressures, Radiator};
 use nailnoise_acoustics::signals::SourceSpectrum;
-use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
 use crate::error::Error;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::Body;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource};
@@ -137,7 +137,7 @@ pub(crate) struct WorkpieceSource {
     /// Frequency up to which the result includes the motion of each body \[Hz\].
     pub(crate) top_hz: Vec<f64>,
     /// The cycle, whose events separate the intervals.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// End of all records \[s\].
     pub(crate) end: Stored<f64>,
     /// The microphones.

@@ -1,23 +1,23 @@
-//! Fewer and larger triangles with the vertices of a surface: short edges are collapsed, sides of neighbours flipped.
+//! Reduces a surface to fewer and larger triangles by collapsing short edges and flipping edges between neighbours.
 
 use super::lines::{Kind, Lines, Triangle, key};
 use nalgebra::Vector3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// Cosine of the angle that a triangle may differ from the surface's normals at its corners: 40 degrees.
+/// Cosine of the largest angle between a triangle and the surface's normals at its corners: 40 degrees.
 const TILT: f64 = 0.766;
 
-/// Least quality of new triangles, 1 for equilateral ones, unless they are at least as good as those they replace.
+/// Smallest quality of new triangles (1 for equilateral ones), unless they are at least as good as those they replace.
 const QUALITY: f64 = 0.4;
 
-/// Least length of a straight edge over that of the line it replaces: 70 degrees of a circle.
+/// Smallest ratio of the length of a straight edge to that of the line it replaces: 70 degrees of a circle.
 const STRAIGHT: f64 = 0.94;
 
-/// Rounds of collapses and flips.
+/// Number of rounds of collapses and flips.
 const ROUNDS: usize = 4;
 
-/// A surface on its way to fewer triangles.
+/// A surface that is being reduced.
 pub(super) struct Collapse<'a> {
     pub(super) points: &'a [Vector3<f64>],
     pub(super) triangles: Vec<Option<Triangle>>,
@@ -36,7 +36,7 @@ struct Left {
     gone: Vec<usize>,
     /// The vertex of the line after the removed one, and the line from there to the remaining one.
     line: Option<(usize, Vec<Vector3<f64>>)>,
-    /// Worst quality of those that change.
+    /// Worst quality among the changed triangles.
     worst: f64,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Collapses and flips until nothing more is allowed.
+    /// Collapses and flips until no further change is allowed.
     pub(super) fn run(&mut self) {
         for _ in 0..ROUNDS {
             if self.collapse_all() + self.flip_all() == 0 {
@@ -69,10 +69,10 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Edge by edge, the shortest first; returns how many.
+    /// Collapses edges in order of length, the shortest first; returns their number.
     fn collapse_all(&mut self) -> usize {
         let mut heap = BinaryHeap::new();
-        // Lengths are positive: their bits rise with them.
+        // Lengths are positive, so their bit patterns are ordered like them.
         let entry = |this: &Self, a: usize, b: usize| {
             let (a, b) = key(a, b);
             Reverse(((this.points[a] - this.points[b]).norm().to_bits(), a, b))
@@ -112,9 +112,9 @@ impl<'a> Collapse<'a> {
         all
     }
 
-    /// The surface with the vertex `u` moved to its neighbour `v`, if that is allowed. The surface must stay closed
-    /// (the ends' common neighbours are those of their common triangles; Dey et al. 1999), lines must stay in place,
-    /// and no triangle may turn away from the surface or become too long or too slender.
+    /// The surface with vertex `u` moved to its neighbour `v`, if allowed. The surface must stay closed (the common
+    /// neighbours of the two ends are those of their common triangles; Dey et al. 1999), lines must be preserved, and
+    /// no triangle may turn away from the surface or become too large or too slender.
     fn without(&self, u: usize, v: usize) -> Option<Left> {
         let on_line = self.lines.contains_key(&key(u, v));
         match self.kinds[u] {
@@ -140,7 +140,7 @@ impl<'a> Collapse<'a> {
         for &t in &stay {
             let old = self.triangles[t]?;
             let k = old.corners.iter().position(|&c| c == u)?;
-            // Beyond the same lines as the triangle that goes on this side.
+            // On the far side of the same lines as the triangle removed on this side.
             let side = gone.iter().filter_map(|&g| self.triangles[g]);
             let likeness = |g: &Triangle| normal_at(g, u).map_or(f64::NEG_INFINITY, |n| n.dot(&old.normals[k]));
             let beside = side.max_by(|x, y| likeness(x).total_cmp(&likeness(y)))?;
@@ -161,7 +161,7 @@ impl<'a> Collapse<'a> {
         })
     }
 
-    /// The line through `u` without it, if that is straight enough and no other joins the same vertices.
+    /// The line through `u` after removing it, if it is straight enough and no other line connects the same vertices.
     fn joined_line(&self, u: usize, v: usize) -> Option<(usize, Vec<Vector3<f64>>)> {
         let mut others = self.neighbours(u).into_iter();
         let beyond = others.find(|&w| w != v && self.lines.contains_key(&key(u, w)))?;
@@ -206,7 +206,8 @@ impl<'a> Collapse<'a> {
         self.around[u].clear();
     }
 
-    /// Flips the side of two neighbours where the worse of them gets better; returns how many.
+    /// Flips the common edge of two neighbouring triangles if that improves the worse of them; returns the number of
+    /// flips.
     fn flip_all(&mut self) -> usize {
         let mut edges: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
         for t in 0..self.triangles.len() {
@@ -237,7 +238,8 @@ impl<'a> Collapse<'a> {
         if c == d || self.neighbours(c).contains(&d) || (self.points[c] - self.points[d]).norm() > self.longest {
             return None;
         }
-        // Each retains one end of the old side and gets the other's third corner in place of the other end.
+        // Each triangle retains one end of the old edge and replaces the other end with the third corner of its
+        // neighbour.
         let swapped = |of: &Triangle, end: usize, from: &Triangle, to: usize| {
             let mut new = *of;
             let k = new.corners.iter().position(|&corner| corner == end)?;
@@ -264,7 +266,7 @@ impl<'a> Collapse<'a> {
         self.triangles[t].map_or([usize::MAX; 3], |triangle| triangle.corners)
     }
 
-    /// Whether a triangle lies along the surface at its corners and its sides are short enough.
+    /// Whether a triangle follows the surface at its corners and has short enough sides.
     fn allowed(&self, triangle: &Triangle) -> bool {
         let [a, b, c] = triangle.corners.map(|corner| self.points[corner]);
         let normal = (b - a).cross(&(c - a)).normalize();

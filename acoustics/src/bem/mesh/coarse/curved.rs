@@ -1,21 +1,21 @@
-//! Triangles of six nodes and the point of them that lies nearest to a place.
+//! Six-node triangles, and their points nearest to a given position.
 
 use crate::bem::mesh::panel::{BoundaryMesh, PanelShape};
 use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Steps of Newton's method to the nearest point of a curved triangle; it is almost flat.
+/// Steps of Newton's method for the nearest point of a curved triangle, which is almost flat.
 const STEPS: usize = 6;
 
-/// A triangle: corners, then the mid-side that follows each corner.
+/// A triangle: corners, then the mid-side node that follows each corner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Curved {
     pub(super) nodes: [Vector3<f64>; 6],
 }
 
 impl Curved {
-    /// A panel as triangles: itself, or two halves of a quadrilateral; with the numbers of their corners.
+    /// A panel as triangles (one, or two for a quadrilateral) with the indices of their corners.
     pub(super) fn of(mesh: &BoundaryMesh, panel: usize) -> Vec<([usize; 3], Self)> {
         let of = &mesh.panels[panel];
         let natural = of.kind().natural_nodes();
@@ -61,8 +61,8 @@ impl Curved {
         t[0].cross(&t[1]).normalize()
     }
 
-    /// How far it may lie off the triangle with straight sides: sum 4 L_a L_b d_ab <= 4/3 max d, with d the middles of
-    /// its sides off their chords.
+    /// Bound on its distance from the straight-sided triangle: sum 4 L_a L_b d_ab <= 4/3 max d, where d are the offsets
+    /// of the midpoints of its sides from their chords.
     fn bulge(&self) -> f64 {
         let off = |k: usize| (self.nodes[3 + k] - 0.5 * (self.nodes[k] + self.nodes[(k + 1) % 3])).norm();
         4.0 / 3.0 * (0..3).map(off).fold(0.0, f64::max)
@@ -76,7 +76,7 @@ impl Curved {
         (centre, radius + self.bulge())
     }
 
-    /// Natural coordinates of the point nearest to `p`, by Gauss and Newton from `xi` of the flat triangle.
+    /// Natural coordinates of the point nearest to `p`, by Gauss-Newton iteration from `xi` of the flat triangle.
     fn nearest(&self, p: &Vector3<f64>, mut xi: [f64; 2]) -> [f64; 2] {
         for _ in 0..STEPS {
             let (x, [t, u]) = self.at(xi);
@@ -90,7 +90,7 @@ impl Curved {
             } else if to[1] < 0.0 {
                 to = [xi[0] + (f + xi[1] * b) / a, 0.0];
             } else if to[0] + to[1] > 1.0 {
-                // Along the third side from the nearest point in these coordinates.
+                // If the point lies beyond the third side, move to the nearest point on that side in these coordinates.
                 let over = 0.5 * (1.0 - xi[0] - xi[1]);
                 let (start, along) = ([xi[0] + over, xi[1] + over], u - t);
                 let step = along.dot(&(rest - (t + u) * over)) / along.norm_squared();
@@ -108,7 +108,7 @@ impl Curved {
         xi
     }
 
-    /// The same of the triangle with straight sides (Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5).
+    /// The same for the straight-sided triangle (Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5).
     fn nearest_flat(&self, p: &Vector3<f64>) -> [f64; 2] {
         let [a, b, c, ..] = self.nodes;
         let (ab, ac, ap) = (b - a, c - a, p - a);
@@ -201,7 +201,7 @@ impl Nearest {
         }
     }
 
-    /// The nearest point whose normal is accepted; a point of the surface's own box at least.
+    /// The nearest point whose normal is accepted, searched at least within the bounding box of the surface.
     pub(super) fn find(&self, p: &Vector3<f64>, accept: impl Fn(&Vector3<f64>) -> bool) -> Option<Found> {
         let middle = place(p, self.cell);
         let mut best: Option<(f64, Found)> = None;
@@ -236,7 +236,7 @@ impl Nearest {
         best.map(|(_, found)| found)
     }
 
-    /// Triangles in the cells at so many steps from the middle.
+    /// Triangles in the cells at a distance of `ring` cells from the middle.
     fn ring(&self, middle: [i64; 3], ring: i64) -> impl Iterator<Item = u32> {
         let around = -ring..=ring;
         let cells = around

@@ -1,4 +1,4 @@
-//! Normal velocities of a surface on another mesh of the same surface.
+//! Transfers normal velocities between two meshes of the same surface.
 
 use super::curved::{Curved, Nearest};
 use super::projection::ALIKE;
@@ -8,24 +8,25 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Vector3};
 use std::collections::HashMap;
 
-/// Farthest that a point of one mesh may lie off the other, over the longest edge of its panel: the sides of triangles
-/// cut across a curved surface.
+/// Largest distance of a point of one mesh from the other, relative to the longest edge of its panel: triangles cut the
+/// corners of a curved surface.
 const OFF_SURFACE: f64 = 0.1;
 
-/// Largest relative difference of both areas.
+/// Largest relative difference between the two areas.
 const AREA: f64 = 1e-2;
 
-/// Corners closer than this share of the longest edge are the same.
+/// Corners closer than this fraction of the longest edge count as the same.
 const SAME_CORNER: f64 = 1e-6;
 
-/// Where a point lies on the other mesh: number of the first velocity value of a triangle, and its corner functions.
+/// Position of a point on the other mesh: index of the first velocity value of a triangle, and the triangle's corner
+/// functions.
 type Place = (usize, [f64; 3]);
 
 impl Boundary {
-    /// Normal velocities of `other`, another mesh of triangles of the same surface (corner values of its panels x
-    /// patterns, see [`Boundary::project`]), on this one. Each point takes the velocity at the nearest point of a panel
-    /// with a similar normal; panels common to both meshes retain their values. None if the surfaces differ, or if
-    /// panels are not triangles.
+    /// Transfers normal velocities from `other`, another triangle mesh of the same surface (corner values of its panels
+    /// x patterns, see [`Boundary::project`]), to this one. Each point takes the velocity at the nearest point of a
+    /// panel with a similar normal; panels common to both meshes keep their values. None if the surfaces differ or any
+    /// panel is not a triangle.
     pub fn interpolate_from(&self, other: &Self, velocities: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let triangles = |boundary: &Self| boundary.velocity_values() == 3 * boundary.mesh().panels.len();
         let area = |boundary: &Self| {
@@ -75,7 +76,7 @@ impl Boundary {
         same.then_some(on_this)
     }
 
-    /// The place on another mesh nearest to a point of a panel with this normal; none if it is too far away.
+    /// The position on another mesh nearest to a point of a panel with this normal; none if it is too far away.
     fn place_on(&self, surface: &Nearest, panel: usize, (at, normal): (Vector3<f64>, Vector3<f64>)) -> Option<Place> {
         let found = surface.find(&at, |n| n.dot(&normal) > ALIKE)?;
         let n = FaceKind::Tri3.at(found.xi).n;
@@ -83,7 +84,7 @@ impl Boundary {
         near.then(|| (3 * found.triangle, [n[0], n[1], n[2]]))
     }
 
-    /// Longest distance of two corners of a triangle \[m\].
+    /// Largest distance between two corners of a triangle \[m\].
     fn longest_side(&self, panel: usize) -> f64 {
         let [a, b, c] = self.corners_of(panel);
         (b - a).norm().max((c - b).norm()).max((a - c).norm())
@@ -94,8 +95,8 @@ impl Boundary {
         [0, 1, 2].map(|k| self.mesh().points[corners[k]].coords)
     }
 
-    /// The corners of a triangle in cells of this size, in sorted order, and the number of the corner at each place of
-    /// that order.
+    /// Grid cells of the given size that contain the corners of a triangle, in sorted order, with the corresponding
+    /// corner indices.
     fn corner_cells(&self, panel: usize, unit: f64) -> ([[i64; 3]; 3], [usize; 3]) {
         let cell = |x: &Vector3<f64>| [0, 1, 2].map(|axis| (x[axis] / unit).round() as i64);
         let cells = self.corners_of(panel).map(|x| cell(&x));

@@ -1,23 +1,23 @@
-//! Lines that a coarser surface must preserve: sharp edges, borders of patches, and the ends of the surface.
+//! Feature lines that a coarser surface must preserve: sharp edges, borders of patches, and boundaries of the surface.
 
 use super::curved::Curved;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Cosine of the least angle between normals across a sharp edge: 30 degrees.
+/// Cosine of the smallest angle between normals across a sharp edge: 30 degrees.
 const SHARP: f64 = 0.866;
 
-/// Cosine of the turn of a line at which its vertex becomes fixed: 45 degrees.
+/// Cosine of the change in direction of a line at which its vertex becomes fixed: 45 degrees.
 const TURN: f64 = 0.707;
 
-/// Pieces into which a curved edge is cut to follow a line.
+/// Number of segments into which a curved edge is divided to follow a line.
 const PIECES: usize = 8;
 
 /// A triangle of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
     pub(super) corners: [usize; 3],
-    /// Normals of the original surface at the corners, on the triangle's side of every line.
+    /// Normals of the original surface at the corners, on the triangle's side of each line.
     pub(super) normals: [Vector3<f64>; 3],
     pub(super) patch: usize,
 }
@@ -33,10 +33,10 @@ pub(super) enum Kind {
     Fixed,
 }
 
-/// Edges on lines, by their ends, the lower number first: the points along them from there.
+/// Edges on lines, identified by their ends with the lower index first, and the points along them from there.
 pub(super) type Lines = BTreeMap<(usize, usize), Vec<Vector3<f64>>>;
 
-/// The triangles of a surface with normals at their corners, its lines, and the freedom of each vertex.
+/// The triangles of a surface with normals at their corners, its lines, and the degree of freedom of each vertex.
 pub(super) fn lines(
     points: &[Vector3<f64>],
     of: &[([usize; 3], Curved)],
@@ -53,7 +53,7 @@ pub(super) fn lines(
     }
     let normal = |t: usize, xi: [f64; 2]| of[t].1.normal(xi);
     let mut lines = Lines::new();
-    // Corners of triangles that share a vertex and lie on one side of all lines.
+    // Triangle corners that share a vertex and lie on the same side of all lines.
     let mut sectors: Vec<usize> = (0..3 * of.len()).collect();
     let mut fans: Vec<usize> = sectors.clone();
     for (&(a, b), users) in &edges {
@@ -87,7 +87,7 @@ pub(super) fn lines(
     for (t, triangle) in triangles.iter().enumerate() {
         for (k, &vertex) in triangle.corners.iter().enumerate() {
             let own = root(&mut fans, 3 * t + k);
-            // Two parts of the surface meet only in this point.
+            // Two parts of the surface meet only at this point.
             if *fan[vertex].get_or_insert(own) != own {
                 kinds[vertex] = Kind::Fixed;
             }
@@ -112,12 +112,12 @@ pub(super) fn lines(
 const CORNERS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 const MIDDLES: [[f64; 2]; 3] = [[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
 
-/// An edge by its ends.
+/// Identifies an edge by its ends.
 pub(super) fn key(a: usize, b: usize) -> (usize, usize) {
     (a.min(b), a.max(b))
 }
 
-/// Points along the edge that follows corner `k`, from the vertex `first` on.
+/// Points along the edge that follows corner `k`, starting at the vertex `first`.
 fn along((corners, curved): &([usize; 3], Curved), k: usize, first: usize) -> Vec<Vector3<f64>> {
     let (from, to) = (CORNERS[k], CORNERS[(k + 1) % 3]);
     let at = |i: usize| {
@@ -133,7 +133,7 @@ fn along((corners, curved): &([usize; 3], Curved), k: usize, first: usize) -> Ve
     points
 }
 
-/// Joins the corners of two triangles at the ends of their common edge.
+/// Joins the corners of two triangles at both ends of their common edge.
 fn join(sets: &mut [usize], of: &[([usize; 3], Curved)], (t, q): (usize, usize), ends: [usize; 2]) {
     for end in ends {
         let place = |t: usize| of[t].0.iter().position(|&c| c == end).map(|k| 3 * t + k);

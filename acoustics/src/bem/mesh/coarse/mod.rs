@@ -2,12 +2,12 @@
 //! velocities on them.
 //!
 //! ```text
-//! lines       sharp edges, borders of patches, ends in planes: their vertices stay on them
-//! collapse    short edges are collapsed, sides of neighbours flipped
+//! lines       sharp edges, borders of patches, boundaries in planes: their vertices stay on them
+//! collapse    short edges are collapsed, edges between neighbours flipped
 //! curved      nearest point of a surface
-//! sides       midpoints of sides are moved to the finer surface
-//! projection  each point of the finer surface contributes its volume flow to one panel of the coarser
-//! interpolation  velocities on another mesh of the same surface, as fine
+//! sides       midpoints of sides are moved onto the finer surface
+//! projection  each point of the finer surface contributes its volume flow to one panel of the coarser one
+//! interpolation  transfer of velocities to another mesh of the same surface with similar fineness
 //! ```
 
 mod collapse;
@@ -25,17 +25,17 @@ use curved::{Curved, Nearest};
 use nalgebra::{Point3, Vector3};
 
 impl Boundary {
-    /// The same surface with fewer triangles, whose edges measure at most `edge` \[m\] (or as much as the longest edge
-    /// of this surface).
+    /// The same surface with fewer triangles, with edges of at most `edge` \[m\] (or the longest edge of this surface,
+    /// if longer).
     ///
-    /// Vertices are some of this surface's: its edges are collapsed to one of their ends, the shortest first, while
-    /// triangles stay well shaped and within 40 degrees of the surface's own normals (after Botsch & Kobbelt, *Proc.
-    /// Eurographics SGP*, 2004, with half-edges). Sharp edges, borders of patches and the ends of the surface in floor
-    /// and mirror planes stay in place. Midpoints of sides are moved to this surface. The triangles are then as curved
-    /// as it is, and the enclosed volume, the mass of air that it displaces, is preserved.
+    /// Edges are collapsed to one of their ends, the shortest first, as long as triangles remain well shaped and within
+    /// 40 degrees of the surface's normals (after Botsch & Kobbelt, *Proc. Eurographics SGP*, 2004, with half-edges);
+    /// vertices are thus a subset of this surface's. Sharp edges, borders of patches and the boundaries of the surface
+    /// in floor and mirror planes are preserved. Midpoints of sides are moved onto this surface. The triangles are then
+    /// as curved as the surface, and the enclosed volume, hence the mass of displaced air, is preserved.
     ///
     /// # Errors
-    /// A length that is not positive, and those of [`Boundary::symmetric`].
+    /// If `edge` is not positive; those of [`Boundary::symmetric`].
     pub fn coarsened(&self, edge: f64) -> Result<Self, BemError> {
         let edge = positive("length of edges [m]", edge)?.max(self.mesh().longest_edge());
         let mesh = self.mesh();

@@ -1,4 +1,4 @@
-//! Projection of the normal velocities of a surface on a coarser one.
+//! Projects the normal velocities of a surface onto a coarser one.
 
 use super::curved::{Curved, Found, Nearest};
 use crate::bem::error::BemError;
@@ -10,20 +10,20 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Cosine of the largest angle between the normals of a point and of the panel that receives its volume flow, if such a
-/// panel exists.
+/// Cosine of the largest angle between the normals at a point and of the panel that receives its volume flow, if there
+/// is such a panel.
 pub(super) const ALIKE: f64 = 0.5;
 
-/// Contribution of a panel of the finer surface to a panel of the coarser one: moments of its corner functions with the
-/// corner functions of the other.
+/// Contribution of a panel of the finer surface to a panel of the coarser one: moments of the former's corner functions
+/// with the latter's.
 type Given = (usize, [[f64; 4]; 3]);
 
 impl Boundary {
-    /// Normal velocities of the surface `finer` (corner values of its panels x patterns, see [`Boundary::project`]) on
-    /// this one of triangles, see [`Boundary::coarsened`].
+    /// Projects normal velocities of the surface `finer` (corner values of its panels x patterns, see
+    /// [`Boundary::project`]) onto this triangle mesh, see [`Boundary::coarsened`].
     ///
-    /// Each point x of the finer surface contributes its volume flow v dS to the nearest point xi of the nearest panel
-    /// with a similar normal. On every panel the velocity is linear and has the moments of these contributions,
+    /// Each point x of the finer surface contributes its volume flow v dS at the point xi of the nearest panel with a
+    /// similar normal. On every panel the velocity is linear and has the moments of these contributions,
     ///
     /// ```text
     /// int N_i v dS = sum_x N_i(xi(x)) v(x) dS(x)
@@ -33,7 +33,8 @@ impl Boundary {
     /// panel.
     ///
     /// # Errors
-    /// Velocities of another length; [`InputError::Length`](crate::InputError) for panels that are not triangles.
+    /// If the velocities have the wrong length; [`InputError::Length`](crate::InputError) if any panel is not a
+    /// triangle.
     pub fn project_from(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
         same_length(
             "rows of the normal velocities",
@@ -118,7 +119,7 @@ impl Boundary {
     }
 }
 
-/// The rule of a panel applied to its quarters, because borders of larger panels may run through it.
+/// The quadrature rule of a panel applied to its quarters, because borders of larger panels may run through it.
 fn quarters(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     let of_all = rules::fine(kind);
     let quarter = |[[x, y], [a, b], [c, d]]: [[f64; 2]; 3]| {

@@ -1,4 +1,4 @@
-//! Panels whose sides follow the finer surface.
+//! Curves the sides of panels to follow the finer surface.
 
 use super::collapse::Collapse;
 use super::curved::{Curved, Nearest};
@@ -9,23 +9,23 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far the middle of a side may lie off its chord, over the chord's length; that of 70 degrees of a circle lies
-/// 0.16 off.
+/// Largest offset of a side's midpoint from its chord, relative to the chord's length; 0.16 corresponds to 70 degrees
+/// of a circle.
 const BULGE: f64 = 0.25;
 
-/// The same below which a side is straight.
+/// Relative offset below which a side counts as straight.
 const STRAIGHT: f64 = 1e-9;
 
-/// Least area factor of a curved triangle over that of the flat one.
+/// Smallest ratio of a curved triangle's area factor to that of the flat one.
 const SQUEEZED: f64 = 0.3;
 
-/// Cosine of the largest angle between normals of the same sheet.
+/// Cosine of the largest angle between normals on the same sheet.
 const SHEET: f64 = 0.5;
 
-/// Middles of the sides of curved edges, by their ends.
+/// Midpoints of curved edges, identified by their ends.
 type Middles = BTreeMap<(usize, usize), Vector3<f64>>;
 
-/// The remaining surface as curved triangles, or as flat ones if their sides are straight.
+/// The reduced surface as curved triangles, or flat ones if their sides are straight.
 pub(super) fn curved_panels(fewer: &Collapse<'_>, surface: &Nearest, patches: &[String]) -> BoundaryMesh {
     let triangles: Vec<Triangle> = fewer.triangles.iter().flatten().copied().collect();
     let mut middles = middles(fewer, &triangles, surface);
@@ -67,7 +67,8 @@ pub(super) fn curved_panels(fewer: &Collapse<'_>, surface: &Nearest, patches: &[
     }
 }
 
-/// Where the surface bulges beyond the chords of the triangles' sides: half way along a line, on the surface elsewhere.
+/// Midpoints where the surface deviates from the chords of the triangles' sides: half way along a line, or on the
+/// surface elsewhere.
 fn middles(fewer: &Collapse<'_>, triangles: &[Triangle], surface: &Nearest) -> Middles {
     let mut normals: BTreeMap<(usize, usize), Vector3<f64>> = BTreeMap::new();
     for t in triangles {
@@ -92,7 +93,7 @@ fn middles(fewer: &Collapse<'_>, triangles: &[Triangle], surface: &Nearest) -> M
     normals.into_iter().filter_map(bulge).collect()
 }
 
-/// The point of a line as far from its one end as from the other.
+/// The point of a line equidistant from both ends.
 fn half_way(line: &[Vector3<f64>]) -> Vector3<f64> {
     let length: f64 = line.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
     let mut left = 0.5 * length;
@@ -115,7 +116,7 @@ fn nodes(points: &[Vector3<f64>], middles: &Middles, corners: &[usize; 3]) -> [V
     [vertex(0), vertex(1), vertex(2), middle(0), middle(1), middle(2)]
 }
 
-/// Whether a curved triangle covers the flat one's plane evenly.
+/// Whether a curved triangle covers the plane of the flat one without folding.
 fn well_shaped(nodes: &[Vector3<f64>; 6]) -> bool {
     let curved = Curved { nodes: *nodes };
     let flat = (nodes[1] - nodes[0]).cross(&(nodes[2] - nodes[0]));

@@ -1,10 +1,10 @@
-//! Matrices of expensive pairs, interpolated over wavenumber.
+//! Matrices of expensive pairs, interpolated over the wavenumber.
 
 use super::matrices::PairMatrices;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
-/// Nodes of the interpolation.
+/// Number of interpolation nodes.
 pub(super) const KEPT: usize = 5;
 
 /// Matrices of expensive pairs at [`KEPT`] wavenumbers.
@@ -13,9 +13,9 @@ pub(super) const KEPT: usize = 5;
 /// M(k) = e^{-jkr_0} sum_n l_n(k) e^{jk_n r_0} M(k_n)        r_0: distance of the panels' centres
 /// ```
 ///
-/// Without the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii.
-/// The error is therefore below 2 (k_max s / 4)^N / N!: 1e-4 at six panels per wavelength. The measured error is a
-/// hundredth of that.
+/// Without the phase of r_0, the kernels vary as e^{-jk(r - r_0)}, where |r - r_0| is less than the sum s of the
+/// panels' radii. The error is therefore less than 2 (k_max s / 4)^N / N!, which is 1e-4 at six panels per wavelength.
+/// The measured error is a hundredth of that.
 #[derive(Debug)]
 pub(super) struct CachedPairs {
     highest: f64,
@@ -38,8 +38,8 @@ impl CachedPairs {
         k <= self.highest * (1.0 + 1e-9)
     }
 
-    /// Matrices of a pair at the nodes; `apart` is the distance of the panel centres \[m\], `at` evaluates M at a
-    /// wavenumber.
+    /// Matrices of a pair at the nodes; `apart` is the distance between the panel centres \[m\], and `at` evaluates M
+    /// at a wavenumber.
     pub(super) fn at_nodes(&self, apart: f64, at: impl Fn(f64, &mut PairMatrices)) -> [PairMatrices; KEPT] {
         self.nodes.map(|k| {
             let (mut raw, mut turned) = (PairMatrices::default(), PairMatrices::default());
@@ -57,7 +57,7 @@ impl CachedPairs {
         }
     }
 
-    /// Barycentric weights at k of the Chebyshev nodes (they sum to one).
+    /// Barycentric weights of the Chebyshev nodes at k; they sum to one.
     fn weights(&self, k: f64) -> [f64; KEPT] {
         if let Some(hit) = self.nodes.iter().position(|node| *node == k) {
             return std::array::from_fn(|n| f64::from(u8::from(n == hit)));

@@ -1,4 +1,4 @@
-//! Choice of the quadrature rule for a pair of close panels.
+//! Chooses the quadrature rule for a pair of close panels.
 
 use super::tables::{Sampled, padded, product, product_weights, whole};
 use crate::bem::mesh::boundary::Boundary;
@@ -7,22 +7,22 @@ use crate::bem::mesh::symmetry::Image;
 use nailnoise_meshes::FaceKind;
 use std::collections::HashMap;
 
-/// Gauss points per direction for touching pairs, but one less away from the singularity.
+/// Gauss points per direction for touching pairs; one less in the direction away from the singularity.
 const SINGULAR_ORDER: usize = 4;
-/// Distance of two panels' centres over the sum of their radii, above which the rules of 3, 7, 12 and 16 points (2 x 2,
-/// 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken. Closer panels are divided.
+/// Ratios of the distance between two panels' centres to the sum of their radii above which the rules with 3, 7, 12 and
+/// 16 points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are used. Closer panels are subdivided.
 pub(super) const RATIOS: [f64; 4] = [2.1, 1.6, 1.2, 0.8];
 
 /// A rule for two panels or their halves.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Rule {
-    /// Tables of either side and the weights, by number.
+    /// Indices of the tables of both sides and of the weights.
     Tables { x: u32, y: u32, weights: u32 },
-    /// By dividing the panels, triangle `s` of the first and `t` of the second.
+    /// Subdivision of triangle `s` of the first panel and `t` of the second.
     Divided { s: u8, t: u8 },
 }
 
-/// Two panels, the second in an image, and the distance of their centres as a multiple of the sum of their radii.
+/// Two panels, the second as an image, and the ratio of the distance between their centres to the sum of their radii.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ClosePair {
     pub(super) panels: [usize; 2],
@@ -37,7 +37,7 @@ impl ClosePair {
         let [first, second] = self.panels.map(|p| mesh.panels[p].corners());
         let mut common = 0;
         for (a, &n) in first.iter().enumerate() {
-            // An image's node coincides with a real one in the planes of reflection only.
+            // An image's node coincides with a real one only in the planes of reflection.
             let node = boundary.node_of(n).unwrap_or(usize::MAX);
             if self.image.fixes(boundary.in_planes(node)) {
                 for b in (0..second.len()).filter(|&b| second[b] == n) {
@@ -49,7 +49,7 @@ impl ClosePair {
     }
 }
 
-/// What identifies a table: kind, rule, side, order of the vertices.
+/// Key of a table: kind, rule, side, order of the vertices.
 type TableKey = (FaceKind, u8, bool, [u8; 3]);
 
 /// Tables and weights of the rules, created on demand.
@@ -63,7 +63,7 @@ pub(super) struct Rules {
     product_weights: HashMap<(usize, usize, usize), u32>,
 }
 
-/// Triangles of a panel with so many corners, all with the given corner.
+/// Triangles of a panel with this many corners that share the given corner.
 fn fan(corners: u8, from: u8) -> impl Iterator<Item = [u8; 3]> {
     (1..corners - 1).map(move |k| [from, (from + k) % corners, (from + k + 1) % corners])
 }
@@ -99,8 +99,8 @@ impl Rules {
             return halves.collect();
         };
         let mut rules = Vec::new();
-        // If the panels are halved along diagonals through a common corner, all halves touch: no close pair without
-        // contact remains.
+        // If the panels are divided along diagonals through a common corner, all halves touch, so that no close pair
+        // without contact remains.
         for first in fan(m, at_p) {
             for second in fan(n, at_q) {
                 let shared: Vec<(u8, u8)> = first
@@ -126,7 +126,7 @@ impl Rules {
         rules
     }
 
-    /// A rule for triangles that touch, with their vertices in the given order.
+    /// A rule for touching triangles with their vertices in the given order.
     fn singular(&mut self, kinds: [FaceKind; 2], contact: Contact, [x, y]: [[u8; 3]; 2]) -> Rule {
         let c = contact as usize;
         let mut table = |kind: FaceKind, side: bool, vertices: [u8; 3]| {
@@ -145,7 +145,7 @@ impl Rules {
             })
         };
         let (x, y) = (table(kinds[0], false, x), table(kinds[1], true, y));
-        // Weights refer to the unit triangle's double area; a half of the square measures four times as much.
+        // Weights refer to twice the area of the unit triangle; a half of the square is four times as large.
         let quads = kinds.iter().filter(|k| k.corners() == 4).count();
         let weights = if quads == 0 {
             self.singular_weights[c]
@@ -165,7 +165,7 @@ impl Rules {
     fn product(&mut self, kinds: [FaceKind; 2], level: usize) -> Rule {
         let rules = kinds.map(|k| whole(k, level));
         let (x, y) = product(&rules);
-        // The points of each side depend on the number of points of the other.
+        // How often each point of one side is repeated depends on the number of points of the other.
         let key = |side: usize| {
             let other = kinds[1 - side].corners() as u8;
             (kinds[side], 100 + level as u8, side == 1, [other, 0, 0])

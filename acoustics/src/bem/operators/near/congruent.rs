@@ -1,4 +1,4 @@
-//! Congruent pairs of panels, which have the same matrices.
+//! Finds congruent pairs of panels, which have the same matrices.
 
 use super::choice::ClosePair;
 use crate::bem::mesh::boundary::Boundary;
@@ -7,12 +7,13 @@ use crate::bem::mesh::symmetry::Image;
 use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
 
-/// Distance below which points count as equal, relative to the largest extent of the body. The matrices of pairs that
-/// differ by less agree to about the same accuracy relative to the panel size; rounding errors are far smaller.
+/// Distance below which points count as coincident, relative to the largest extent of the body. Pairs that differ by
+/// less have matrices that agree to about the same accuracy relative to the panel size; rounding errors are far
+/// smaller.
 const SAME: f64 = 1e-10;
 
 /// Shape of a pair: kinds, common corners, whether the second panel is an odd image, and the positions of all nodes in
-/// a frame that moves along with the first panel.
+/// a frame attached to the first panel.
 #[derive(Debug, PartialEq, Eq, Hash)]
 pub(super) struct Congruence {
     kinds: [FaceKind; 2],

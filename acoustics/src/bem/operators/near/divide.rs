@@ -1,4 +1,4 @@
-//! Subdivision of panels that are close without touching, until each part is far enough from the other panel.
+//! Subdivides panels that are close without touching, until each part is far enough from the other panel.
 
 use super::choice::RATIOS;
 use super::tables::{Sampled, product_weights};
@@ -7,9 +7,9 @@ use crate::bem::mesh::rules::{self, Node};
 use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
 
-/// Most divisions.
+/// Largest number of subdivisions.
 pub(super) const DEPTH: usize = 16;
-/// Halves of a quadrilateral, by corners; the first is also the triangle itself.
+/// Halves of a quadrilateral, by corners; the first is also the full triangle.
 pub(super) const HALVES: [[u8; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
 /// A triangle in the natural coordinates of a panel.

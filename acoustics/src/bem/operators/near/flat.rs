@@ -1,4 +1,4 @@
-//! Pairs of flat triangles: normals, areas and curls are those of the panels, and W follows from S and the sum of G.
+//! Pairs of flat triangles: normals, areas and curls are constant on the panels, and W follows from S and the sum of G.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::integrate::Integrate;
@@ -8,7 +8,7 @@ use pulp::Simd;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
-/// Vector area times two, and the curls n x grad phi of the corner functions times the same.
+/// Twice the vector area, and the curls n x grad phi of the corner functions times twice the area.
 fn triangle(nodes: &[[f64; 3]], sign: f64) -> (Vector3<f64>, [Vector3<f64>; 3]) {
     let [a, b, c] = [0, 1, 2].map(|i| Vector3::from(nodes[i]));
     (
@@ -23,7 +23,7 @@ fn splat3<S: Simd>(simd: S, v: Vector3<f64>) -> [S::f64s; 3] {
 }
 
 impl Integrate<'_> {
-    /// Both panels are triangles of three nodes.
+    /// Both panels are three-node triangles.
     #[inline(always)]
     pub(super) fn flat<S: Simd>(self, simd: S) {
         let zero = simd.splat_f64s(0.0);
@@ -39,7 +39,7 @@ impl Integrate<'_> {
         }
         let k = simd.splat_f64s(self.k);
         let unit = simd.splat_f64s(0.25 / PI);
-        // G, (x - y) . n_y h and (x - y) . n_x h, times corner functions; and the sum of G.
+        // G, (x - y) . n_y h and (x - y) . n_x h times corner functions, and the sum of G.
         let mut sums = [[[[zero; 3]; 3]; 2]; 3];
         let mut whole = [zero; 2];
         for at in 0..self.weights.len() / S::F64_LANES {

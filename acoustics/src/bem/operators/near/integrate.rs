@@ -1,4 +1,4 @@
-//! A rule for a pair of panels, summed in vectors of points.
+//! Applies a quadrature rule to a pair of panels, summing vectors of points.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::matrices::PairMatrices;
@@ -16,12 +16,12 @@ pub(super) struct Integrate<'a> {
     pub(super) weights: &'a [f64],
     pub(super) x_nodes: &'a [[f64; 3]; MOST_NODES],
     pub(super) y_nodes: &'a [[f64; 3]; MOST_NODES],
-    /// -1 for a second panel that is reflected once or thrice: mirrored tangents turn its normal inward.
+    /// -1 if the second panel is reflected once or three times, because mirrored tangents reverse its normal.
     pub(super) sign: f64,
     pub(super) out: &'a mut PairMatrices,
 }
 
-/// One side of a pair at a vector of points.
+/// One side of a pair, evaluated at a vector of points.
 struct Side<V, const E: usize> {
     x: [V; 3],
     normal: [V; 3],

@@ -1,6 +1,6 @@
 use rustfft::num_complex::Complex;
 
-/// Matrices of one pair: rows are corner functions of the first panel, columns those of the second.
+/// Matrices of one pair; rows are corner functions of the first panel, columns those of the second.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PairMatrices {
     /// Integral of phi_i G phi_j.

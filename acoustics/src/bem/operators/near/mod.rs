@@ -1,12 +1,12 @@
-//! Pairs of panels that touch or are close, each with its own quadrature rule.
+//! Pairs of panels that touch or are close; each has its own quadrature rule.
 //!
 //! ```text
-//! pairs of blocks -> couples closer than the far rule allows
-//!   congruent     couples of the same shape are integrated once
-//!   choice        Sauter & Schwab where panels touch, products of finer rules or division where they do not
+//! pairs of blocks -> pairs of panels too close for the far rule
+//!   congruent     pairs of the same shape are integrated once
+//!   choice        Sauter & Schwab for touching panels; finer product rules or subdivision for others
 //!   tables, integrate     shape functions at all points of a rule; the sum over them
-//!   flat          the same for triangles whose normal and curls do not vary
-//!   cached        expensive shapes once for all frequencies
+//!   flat          the same for triangles with constant normal and curls
+//!   cached        expensive shapes, once for all frequencies
 //! ```
 
 mod cached;
@@ -34,29 +34,29 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use tables::Sampled;
 
-/// Least distance of two panels' centres for the far rule, as a multiple of the sum of their radii.
+/// Smallest distance between the centres of two panels for the far rule, relative to the sum of their radii.
 pub(crate) const FAR_RATIO: f64 = RATIOS[0];
 
-/// A pair of panels that the far rule must leave out.
+/// A pair of panels that the far rule must omit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearPair {
     /// Position of the first panel in its block.
     pub(crate) e: usize,
     /// Position of the second panel in its block.
     pub(crate) f: usize,
-    /// The second panel's image, by its place in [`Boundary::images`].
+    /// The second panel's image, as an index into [`Boundary::images`].
     pub(crate) image: usize,
-    /// Its shape, an index of [`NearField::shapes`].
+    /// Its shape, as an index into [`NearField::shapes`].
     shape: u32,
 }
 
-/// Properties that congruent pairs share.
+/// Properties shared by congruent pairs.
 #[derive(Debug)]
 struct PairShape {
     /// The first pair of this shape.
     panels: [usize; 2],
     image: usize,
-    /// Distance of the panels' centres \[m\].
+    /// Distance between the panels' centres \[m\].
     apart: f64,
     rules: Vec<Rule>,
     /// Its index among the shapes that are more expensive to integrate than to interpolate: pairs that touch, are
@@ -65,11 +65,11 @@ struct PairShape {
     pairs: usize,
 }
 
-/// All close pairs of a surface and the tables they share.
+/// All close pairs of a surface, and the tables that they share.
 #[derive(Debug)]
 pub(crate) struct NearField {
     rules: Rules,
-    /// Pairs of each pair of blocks, at `e_block * blocks + f_block`.
+    /// Pairs for each pair of blocks, at `e_block * blocks + f_block`.
     pairs: Vec<Vec<NearPair>>,
     shapes: Vec<PairShape>,
     /// Shapes that are more expensive to integrate than to interpolate.
@@ -80,7 +80,7 @@ pub(crate) struct NearField {
 }
 
 impl NearField {
-    /// Finds all close pairs. Blocks come in pairs e <= f; within a block, panels too.
+    /// Finds all close pairs. Pairs of blocks are ordered, e <= f, and so are panels within a block.
     pub(crate) fn new(boundary: &Boundary, blocks: &[Block]) -> Self {
         let mesh = boundary.mesh();
         let spheres: Vec<(Vector3<f64>, f64)> = (0..mesh.panels.len()).map(|p| sphere(mesh, p)).collect();
@@ -142,7 +142,7 @@ impl NearField {
         field
     }
 
-    /// Adds the shape of a couple and returns its number.
+    /// Adds the shape of a pair and returns its index.
     fn add(&mut self, boundary: &Boundary, couple: &ClosePair, image: usize, apart: f64) -> u32 {
         let rules = self.rules.of(boundary, couple);
         let cheap = matches!(rules[..], [Rule::Tables { .. }]) && couple.ratio > RATIOS[1];
@@ -161,7 +161,7 @@ impl NearField {
         self.shapes.len() as u32 - 1
     }
 
-    /// Close pairs of two blocks, the first not after the second.
+    /// Close pairs of two blocks; the first block must not come after the second.
     pub(crate) fn pairs(&self, e_block: usize, f_block: usize) -> &[NearPair] {
         &self.pairs[e_block * self.blocks + f_block]
     }
@@ -171,12 +171,12 @@ impl NearField {
         self.pairs.iter().map(Vec::len).sum()
     }
 
-    /// Number of shapes of close pairs.
+    /// Number of distinct shapes of close pairs.
     pub(crate) fn shapes(&self) -> usize {
         self.shapes.len()
     }
 
-    /// Number of shapes that [`NearField::keep`] keeps.
+    /// Number of shapes cached by [`NearField::keep`].
     pub(crate) fn costly(&self) -> usize {
         self.costly.len()
     }
@@ -185,12 +185,12 @@ impl NearField {
         self.kept.is_some()
     }
 
-    /// Memory of [`NearField::keep`] \[bytes\].
+    /// Memory needed by [`NearField::keep`] \[bytes\].
     pub(crate) fn bytes_shared(&self) -> f64 {
         (self.costly.len() * size_of::<[PairMatrices; KEPT]>()) as f64
     }
 
-    /// Integrates the costly shapes once for all wave numbers up to `highest`.
+    /// Integrates the expensive shapes in advance for all wavenumbers up to `highest`.
     pub(crate) fn keep(&mut self, boundary: &Boundary, highest: f64) {
         let mut kept = CachedPairs::up_to(highest);
         let at_nodes = |&number: &usize| {
@@ -201,7 +201,7 @@ impl NearField {
         self.kept = Some(kept);
     }
 
-    /// The near field at one wave number.
+    /// The near field at one wavenumber.
     pub(crate) fn at<'a>(&'a self, boundary: &'a Boundary, k: f64) -> NearAt<'a> {
         let mut at = NearAt {
             field: self,
@@ -261,12 +261,12 @@ pub(crate) struct NearAt<'a> {
 }
 
 impl NearAt<'_> {
-    /// Close pairs of two blocks, the first not after the second.
+    /// Close pairs of two blocks; the first block must not come after the second.
     pub(crate) fn pairs(&self, e_block: usize, f_block: usize) -> &[NearPair] {
         self.field.pairs(e_block, f_block)
     }
 
-    /// The matrices of one pair; `own` stores them if no other pair has the same.
+    /// The matrices of one pair; they are stored in `own` if no other pair shares them.
     pub(crate) fn matrices<'b>(&'b self, pair: &NearPair, own: &'b mut PairMatrices) -> &'b PairMatrices {
         if let Some(known) = &self.shared[pair.shape as usize] {
             return known;
@@ -285,7 +285,7 @@ impl NearAt<'_> {
     }
 }
 
-/// Centre of a panel's nodes, and the radius around it that encloses them.
+/// Centre of a panel's nodes, and the radius of a sphere around it that encloses them.
 pub(crate) fn sphere(mesh: &crate::bem::BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
     let nodes = mesh.panels[p].nodes();
     let corners = mesh.panels[p].corners();

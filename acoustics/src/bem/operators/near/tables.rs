@@ -1,16 +1,16 @@
-//! Shape functions at the points of pair rules, sampled once for all pairs.
+//! Tables of shape functions at the points of pair rules, computed once for all pairs.
 
 use crate::bem::mesh::panel::{PanelShape, Shape};
 use crate::bem::mesh::rules::{self, Node};
 use nailnoise_meshes::FaceKind;
 
-/// Shape functions at the points of a pair rule, on one side: array by array, padded to whole vectors.
+/// Shape functions at the points of a pair rule on one side, as separate arrays padded to full vectors.
 #[derive(Debug)]
 pub(super) struct Sampled {
     pub(super) padded: usize,
     pub(super) nodes: usize,
     pub(super) corners: usize,
-    /// N_a, dN_a/dxi, dN_a/deta of the geometry, then phi_i, dphi_i/dxi, dphi_i/deta of the corner functions.
+    /// N_a, dN_a/dxi, dN_a/deta of the geometry, followed by phi_i, dphi_i/dxi, dphi_i/deta of the corner functions.
     pub(super) values: Vec<f64>,
 }
 
@@ -19,7 +19,7 @@ impl Sampled {
         Self::repeated(kind, points, 1, points.len())
     }
 
-    /// Each point `each` times, over and over up to `total`: one side of a product rule.
+    /// Repeats each point `each` times and the sequence up to `total` points: one side of a product rule.
     pub(super) fn repeated(kind: FaceKind, points: &[[f64; 2]], each: usize, total: usize) -> Self {
         let padded = total.next_multiple_of(8);
         let (nodes, corners) = (kind.nodes(), kind.corners());
@@ -44,7 +44,7 @@ impl Sampled {
     }
 }
 
-/// The rule of a level on a whole panel; the first level is the far rule.
+/// The rule of the given level on a complete panel; the first level is the far rule.
 pub(super) fn whole(kind: FaceKind, level: usize) -> Vec<Node> {
     match (kind.corners(), level) {
         (3, 0) => rules::triangle(3),

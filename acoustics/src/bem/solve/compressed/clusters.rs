@@ -1,27 +1,28 @@
-//! Clusters of neighbouring pressure unknowns; pairs of clusters divide a matrix into blocks.
+//! Clusters of neighbouring pressure unknowns; pairs of clusters divide the matrix into blocks.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::operators::near::{FAR_RATIO, sphere};
 use nalgebra::Vector3;
 
-/// Most unknowns of a cluster that is not divided further.
+/// Largest number of unknowns in a cluster that is not divided.
 const LEAF: usize = 64;
-/// Two clusters are distant if the smaller one's diameter is at most eta times the distance between them.
+/// Two clusters are distant if the diameter of the smaller one is at most eta times the distance between them.
 const ETA: f64 = 2.0;
 
-/// Unknowns that are neighbours in space, contiguous in [`ClusterTree::order`].
+/// A set of unknowns that are close in space and contiguous in [`ClusterTree::order`].
 #[derive(Debug)]
 pub(super) struct Cluster {
-    /// First place in the order.
+    /// First position in the order.
     pub(super) first: usize,
-    /// Place after the last.
+    /// Position after the last one.
     pub(super) end: usize,
-    /// The two halves; none of a leaf.
+    /// The two halves; none for a leaf.
     pub(super) halves: Option<[usize; 2]>,
-    /// Box around all panels that carry an unknown of the cluster.
+    /// Bounding box of all panels that carry an unknown of the cluster.
     low: Vector3<f64>,
     high: Vector3<f64>,
-    /// Largest distance below which two panels are too close for the far rule, a half of it for each side \[m\].
+    /// Half of the largest distance below which two panels are too close for the far rule \[m\]; each side contributes
+    /// its half.
     reach: f64,
 }
 
@@ -40,26 +41,26 @@ impl Cluster {
         Vector3::from_fn(|c, _| gap(c)).norm()
     }
 
-    /// Whether the operators between the two clusters have a low rank and all their panels are far apart.
+    /// Whether the operators between the two clusters have low rank and all their panels are far apart.
     ///
-    /// A body lies on one side of its planes of reflection, so that the image of a cluster is at least as far from
-    /// another one as the cluster itself: distant clusters are distant in all images.
+    /// A body lies on one side of its mirror planes, so the image of a cluster is at least as far from another one as
+    /// the cluster itself. Distant clusters are therefore distant in all images.
     fn is_distant_from(&self, other: &Self) -> bool {
         let distance = self.distance(other);
         self.diameter().min(other.diameter()) <= ETA * distance && distance > self.reach + other.reach
     }
 }
 
-/// Clusters of the pressure unknowns, halved along the longest side of the box around them.
+/// Clusters of the pressure unknowns, obtained by repeatedly halving along the longest side of the bounding box.
 #[derive(Debug)]
 pub(super) struct ClusterTree {
-    /// All clusters, the root first.
+    /// All clusters, beginning with the root.
     pub(super) clusters: Vec<Cluster>,
-    /// The unknown at each place: the unknowns of any cluster are contiguous.
+    /// The unknown at each position; the unknowns of any cluster are contiguous.
     pub(super) order: Vec<usize>,
-    /// The leaves, in the order of their places.
+    /// The leaves in the order of their positions.
     pub(super) leaves: Vec<usize>,
-    /// Number of the leaf (an index of `leaves`) of each unknown.
+    /// For each unknown, the number of its leaf (an index into `leaves`).
     pub(super) leaf_of: Vec<usize>,
 }
 
@@ -92,7 +93,7 @@ impl ClusterTree {
         tree
     }
 
-    /// Adds the cluster of these places and all its parts; returns its number.
+    /// Adds the cluster of these positions and all its subclusters; returns its number.
     fn divide(
         &mut self,
         first: usize,
@@ -136,7 +137,7 @@ impl ClusterTree {
         number
     }
 
-    /// The places of the unknowns.
+    /// The position of each unknown.
     pub(super) fn places(&self) -> Vec<usize> {
         let mut places = vec![0; self.order.len()];
         for (place, &node) in self.order.iter().enumerate() {
@@ -145,7 +146,7 @@ impl ClusterTree {
         places
     }
 
-    /// Divides the matrix in blocks, which cover it once.
+    /// Partitions the matrix into blocks.
     pub(super) fn partition(&self) -> Partition {
         let mut partition = Partition::default();
         if !self.order.is_empty() {
@@ -176,9 +177,9 @@ impl ClusterTree {
 /// Pairs of clusters, rows and columns.
 #[derive(Debug, Default)]
 pub(super) struct Partition {
-    /// Distant clusters, whose block has a low rank.
+    /// Pairs of distant clusters, whose blocks have low rank.
     pub(super) distant: Vec<[usize; 2]>,
-    /// Leaves that are close.
+    /// Pairs of close leaves.
     pub(super) near: Vec<[usize; 2]>,
 }
 

@@ -5,27 +5,28 @@
 //!                                         u_l: residual column j_l;   i_l+1: largest entry of u_l
 //! ```
 //!
-//! (Bebendorf & Rjasanow 2003.) Spaced rows sample the residual. Their norm ends the approximation. If it is still
-//! large although the last cross was small, the largest of these rows is the next row. This finds parts of a block that
-//! the first crosses do not touch, such as those between faces at right angles.
+//! (Bebendorf & Rjasanow 2003.) Regularly spaced rows sample the residual. The approximation ends when their norm is
+//! small enough. If it is still large although the last cross was small, the largest of these rows is used next. This
+//! detects parts of a block that the first crosses miss, such as those between perpendicular faces.
 //!
-//! Pressure and velocity share the crosses: the left factors of both operators are sound fields of the same sources.
+//! Pressure and velocity share the crosses, because the left factors of both operators are sound fields of the same
+//! sources.
 
 use super::kernel::Kernels;
 use super::points::{ClusterPoints, LANES};
 use crate::bem::operators::kernel::load;
 use pulp::{Simd, WithSimd};
 
-/// Rows that sample the residual.
+/// Number of rows that sample the residual.
 const SAMPLES: usize = 4;
 
-/// A product of two thin matrices; a vector stores real parts before imaginary parts.
+/// A product of two thin matrices; each vector stores the real parts before the imaginary parts.
 #[derive(Debug, Default)]
 pub(super) struct Crosses {
     pub(super) rank: usize,
-    /// u_l at the points of the receiving cluster, of its padded number.
+    /// u_l at the points of the receiving cluster, padded.
     pub(super) left: Vec<f32>,
-    /// v_l: a at the points of the other cluster, then b at those it owns, both padded.
+    /// v_l: a at the points of the other cluster, then b at the points it owns, both padded.
     pub(super) right: Vec<f32>,
 }
 
@@ -34,7 +35,7 @@ pub(super) struct CrossedBlock<'a> {
     pub(super) kernels: &'a Kernels<'a>,
     pub(super) t: &'a ClusterPoints,
     pub(super) s: &'a ClusterPoints,
-    /// Makes b as large as a.
+    /// Scales b to the magnitude of a.
     pub(super) scale: f32,
 }
 
@@ -47,8 +48,8 @@ fn norm_squared(v: &[f32]) -> f64 {
     sums.iter().map(|&sum| f64::from(sum)).sum()
 }
 
-/// Place of the largest complex number among the first `count`, and its squared magnitude; real parts before imaginary
-/// ones.
+/// Position of the largest complex number among the first `count`, and its squared magnitude; real parts precede
+/// imaginary parts.
 fn largest(v: &[f32], count: usize) -> (usize, f32) {
     let (re, im) = v.split_at(v.len() / 2);
     let mut best = (0, -1.0);
@@ -78,7 +79,7 @@ impl CrossedBlock<'_> {
         self.kernels.row(point, self.s, (self.scale, self.s.own_padded), to);
     }
 
-    /// The approximation to the relative accuracy `tolerance` in the Frobenius norm.
+    /// The approximation with relative accuracy `tolerance` in the Frobenius norm.
     pub(super) fn approximate(&self, tolerance: f64) -> Crosses {
         let (t, s) = (self.t, self.s);
         let (width, height) = (self.width(), 2 * t.padded);
@@ -89,7 +90,7 @@ impl CrossedBlock<'_> {
             return all;
         }
         let square = tolerance * tolerance;
-        // The squared norm of the block by that of the samples.
+        // The squared norm of the block, estimated from the samples.
         let whole = size * t.count as f64 / samples.rows.len() as f64;
         let mut used = vec![false; t.count];
         let mut row = vec![0f32; width];
@@ -166,7 +167,7 @@ impl CrossedBlock<'_> {
 }
 
 impl Crosses {
-    /// Entries of every u_l at the places of a real and an imaginary part.
+    /// Values of every u_l at the positions of a real and an imaginary part.
     fn left_at(&self, height: usize, re: usize, im: usize) -> Vec<[f32; 2]> {
         let at = |l: usize| [self.left[l * height + re], self.left[l * height + im]];
         (0..self.rank).map(at).collect()
@@ -175,15 +176,15 @@ impl Crosses {
 
 /// The largest entry of a residual row.
 struct Pivot {
-    /// Its point of the second cluster.
+    /// Its point in the second cluster.
     point: usize,
     /// Whether it belongs to b.
     of_velocity: bool,
-    /// Places of its real and imaginary part in v_l.
+    /// Positions of its real and imaginary part in v_l.
     places: [usize; 2],
 }
 
-/// Spaced rows of the residual.
+/// Regularly spaced rows of the residual.
 struct Samples {
     rows: Vec<usize>,
     residuals: Vec<f32>,
@@ -207,14 +208,14 @@ impl Samples {
         norm_squared(&self.residuals)
     }
 
-    /// The row with the largest norm among those that are not used.
+    /// The unused row with the largest norm.
     fn largest(&self, used: &[bool]) -> Option<usize> {
         let norms = self.residuals.chunks_exact(self.width).map(norm_squared);
         let unused = self.rows.iter().copied().zip(norms).filter(|&(row, _)| !used[row]);
         unused.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
     }
 
-    /// Subtracts a cross; imaginary parts of the column begin at `imaginary`, those of b in the row at `of_b`.
+    /// Subtracts a cross; in the column, imaginary parts begin at `imaginary`, and in the row, b begins at `of_b`.
     fn subtract(&mut self, column: &[f32], row: &[f32], [imaginary, of_b]: [usize; 2]) {
         for (&i, residual) in self.rows.iter().zip(self.residuals.chunks_exact_mut(self.width)) {
             let c = [[column[i], column[imaginary + i]]];
@@ -224,7 +225,7 @@ impl Samples {
     }
 }
 
-/// `to` less the sum of c_l times the vectors at `l * step + offset`, real parts before imaginary parts.
+/// Subtracts from `to` the sum of c_l times the vectors at `l * step + offset`; real parts precede imaginary parts.
 fn subtract(c: &[[f32; 2]], vectors: &[f32], step: usize, offset: usize, to: &mut [f32]) {
     pulp::Arch::new().dispatch(Subtract {
         c,

@@ -1,4 +1,4 @@
-//! The blocks of distant clusters, and their share of the right-hand sides.
+//! Blocks between distant clusters, and their contribution to the right-hand sides.
 
 use super::clusters::{ClusterTree, Partition};
 use super::cross::CrossedBlock;
@@ -10,10 +10,10 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::Complex;
 
-/// Number of blocks whose shares of the right-hand sides are in memory at a time.
+/// Number of blocks whose contributions to the right-hand sides are in memory at a time.
 const BATCH: usize = 256;
 
-/// The points around all clusters.
+/// The quadrature points around all clusters.
 #[derive(Debug)]
 pub(super) struct DistantBlocks {
     points: PanelPoints,
@@ -31,8 +31,9 @@ impl DistantBlocks {
         &self.points
     }
 
-    /// The distant blocks to the relative accuracy `tolerance`; adds their share to the right-hand sides (unknowns x
-    /// unknowns, real and imaginary part) for `velocities`, the patterns at all points (points x patterns).
+    /// Approximates the distant blocks with relative accuracy `tolerance`, and adds their contribution to the
+    /// right-hand sides (unknowns x patterns, real and imaginary part) for `velocities`, the patterns at all points
+    /// (points x patterns).
     pub(super) fn assemble(
         &self,
         (tree, partition): (&ClusterTree, &Partition),
@@ -80,8 +81,8 @@ impl DistantBlocks {
     ) -> (LowRank, Mat<Complex<f32>>) {
         let [rows, columns] = pair.map(|c| &tree.clusters[c]);
         let [t, s] = pair.map(|c| &self.of_cluster[c]);
-        // The waves of pressure and velocity are as large if b is multiplied by the wavenumber, or by the inverse
-        // distance in the near field.
+        // Pressure and velocity fields have similar magnitudes if b is multiplied by the wavenumber or, in the near
+        // field, by the inverse distance.
         let scale = kernels.wave.k.max(1.0 / rows.distance(columns)) as f32;
         let crossed = CrossedBlock { kernels, t, s, scale };
         let (crosses, length) = (crossed.approximate(tolerance), crossed.width());

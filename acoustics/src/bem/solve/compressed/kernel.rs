@@ -1,6 +1,7 @@
-//! The kernels between one point and the points of a cluster.
+//! Kernels between one point and the points of a cluster.
 //!
-//! With d = x - y, r = |d|, G = e^{-jkr} / (4 pi r), h = (1 + jkr) G / r² and alpha = -j beta, between points x and y
+//! With d = x - y, r = |d|, G = e^{-jkr} / (4 pi r), h = (1 + jkr) G / r² and alpha = -j beta, the kernels between
+//! points x and y are
 //!
 //! ```text
 //! a(x, y) = -(1 + alpha d/dn_x) dG/dn_y     dG/dn_y = h d.n_y
@@ -8,9 +9,9 @@
 //! b(x, y) =  (1 + alpha d/dn_x) G            dG/dn_x = -h d.n_x
 //! ```
 //!
-//! On distant panels the derivative of the double layer needs no integration by parts. Integrated over all panels that
-//! carry an unknown, both forms are the same operator. Without it a row of the block is a sound field and its normal
-//! derivative, so the rank is that of G.
+//! For distant panels, the derivative of the double layer needs no integration by parts. Integrated over all panels
+//! that carry an unknown, both forms yield the same operator. Without integration by parts, a row of the block is a
+//! sound field plus its normal derivative, so its rank is that of G.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::points::{ClusterPoints, FIELDS};
@@ -21,7 +22,7 @@ use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// Planes of reflection relative to the origin of the points, and the images with their signs for one parity.
+/// Mirror planes relative to the origin of the points, and the images with their signs for one parity.
 #[derive(Debug)]
 pub(super) struct Images {
     images: Vec<(Image, f32)>,
@@ -36,9 +37,10 @@ impl Images {
         }
     }
 
-    /// The images of a point and its normal, and their signs.
+    /// The images of a point and its normal, with their signs.
     ///
-    /// The distance of x to the image of y is that of the image of x to y, and the normals' products likewise.
+    /// The distance from x to the image of y equals that from the image of x to y; likewise for the products with
+    /// normals.
     fn of(&self, point: [f32; 6]) -> impl Iterator<Item = ([f32; 6], f32)> {
         self.images.iter().map(move |&(image, sign)| {
             let mut seen = point;
@@ -51,7 +53,7 @@ impl Images {
     }
 }
 
-/// Identifies the single point of the two.
+/// Which of the two points is the single one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Single {
     /// x: a row of the block.
@@ -60,7 +62,7 @@ pub(super) enum Single {
     Source,
 }
 
-/// Kernels between a point and the points of a cluster, all weighted with the areas.
+/// Kernels between one point and the points of a cluster, all weighted with areas.
 #[derive(Debug)]
 pub(super) struct Kernels<'a> {
     pub(super) wave: Wave,
@@ -69,7 +71,7 @@ pub(super) struct Kernels<'a> {
 
 impl Kernels<'_> {
     /// a and `scale` times b between x = `point` and y = the points of the cluster: real and imaginary part of a, each
-    /// of the cluster's padded number of points, then those of b, each of `own` values.
+    /// with the padded number of points, then those of b, each with the number of owned values.
     pub(super) fn row(
         &self,
         (point, weight): ([f32; 6], f32),
@@ -170,7 +172,8 @@ impl WithSimd for Between<'_> {
         let receiver = single == Single::Receiver;
         let count = if empty { own } else { padded };
         for at in (0..count).step_by(lanes) {
-            // On the single point's normal, on the others', between the normals, with d from the others to it.
+            // Projections of the distance on the single point's normal and on the others' normals, and the product of
+            // the normals; d points from the others to the single point.
             let (mut on_own, mut on_other) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
             let (mut normals, mut r2) = (simd.splat_f32s(0.0), apart);
             for c in 0..3 {

@@ -1,12 +1,12 @@
-//! Block GMRES for many right-hand sides, in the form of generalised conjugate residuals.
+//! Block GMRES for many right-hand sides, as generalised conjugate residuals.
 //!
 //! ```text
 //! Z = independent residuals, made orthonormal and preconditioned      A Z = Q T, Q orthonormal
 //! R <- R - Q Q^H R                                                                X = Z T^-1 Q^H B
 //! ```
 //!
-//! All right-hand sides share one space. Directions without a residual above the tolerance are left out, so dependent
-//! patterns and those that converge early cost nothing. The residual is computed anew at the end.
+//! All right-hand sides share one subspace. Directions in which no residual exceeds the tolerance are omitted, so
+//! dependent patterns and patterns that converge early cost nothing. The residual is recomputed at the end.
 
 use super::operator::Compressed;
 use super::schwarz::Schwarz;
@@ -15,13 +15,14 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::Complex;
 
-/// Most steps.
+/// Largest number of steps.
 const STEPS: usize = 200;
-/// Most columns of the space, as a multiple of the right-hand sides, before it is built anew.
+/// Largest number of columns in the subspace, as a multiple of the right-hand sides, before a restart.
 const COLUMNS: usize = 30;
-/// Directions are added until the rest of every residual is below this part of it: a step reduces the residual less.
+/// Directions are added until the remainder of every residual is below this fraction of it; smaller remainders do not
+/// pay off because one step reduces the residual less.
 const PART: f64 = 0.25;
-/// Or below this part of the tolerance.
+/// Alternatively, below this fraction of the tolerance.
 const SHARE: f64 = 0.3;
 
 type C32 = Complex<f32>;
@@ -33,22 +34,22 @@ pub(super) struct Krylov<'a> {
     schwarz: &'a Schwarz,
     held: &'a [bool],
     tolerance: f64,
-    /// Steps taken.
+    /// Number of steps taken.
     steps: usize,
 }
 
-/// The space: Z, Q and T.
+/// The subspace: Z, Q and T.
 struct Space {
     z: Vec<Mat<C32>>,
     q: Vec<Mat<C32>>,
-    /// Columns of T: products of every earlier Q and its own with A Z.
+    /// Columns of T: products of all earlier Q, and of the current one, with A Z.
     t: Vec<Vec<Mat<C32>>>,
     /// Q^H R at each step.
     c: Vec<Mat<C32>>,
 }
 
 impl<'a> Krylov<'a> {
-    /// `held` unknowns are zero.
+    /// Unknowns marked in `held` are zero.
     pub(super) fn new(matrix: &'a Compressed, schwarz: &'a Schwarz, held: &'a [bool], tolerance: f64) -> Self {
         Self {
             matrix,
@@ -59,7 +60,7 @@ impl<'a> Krylov<'a> {
         }
     }
 
-    /// D^-1/2 A D^-1/2 x for x that is zero at the fixed unknowns.
+    /// D^-1/2 A D^-1/2 x, for x that is zero at the fixed unknowns.
     fn apply(&self, x: &Mat<C32>) -> Mat<C32> {
         let mut y = x.clone();
         self.scale(&mut y);
@@ -68,7 +69,7 @@ impl<'a> Krylov<'a> {
         y
     }
 
-    /// D^-1/2 x, zero at the fixed unknowns.
+    /// D^-1/2 x, with zeros at the fixed unknowns.
     fn scale(&self, x: &mut Mat<C32>) {
         for column in 0..x.ncols() {
             let values = x.col_as_slice_mut(column).iter_mut();
@@ -78,7 +79,7 @@ impl<'a> Krylov<'a> {
         }
     }
 
-    /// The solution for the right-hand sides, unknowns x patterns.
+    /// Solves for the right-hand sides, unknowns x patterns.
     ///
     /// # Errors
     /// [`BemError::NotConverged`].
@@ -116,7 +117,7 @@ impl<'a> Krylov<'a> {
         }))
     }
 
-    /// Extends a space until all columns of the residual are below the tolerance, or it has become too large.
+    /// Extends a subspace until all columns of the residual are below the tolerance or it becomes too large.
     fn build(&mut self, residual: &mut Mat<C32>, tolerance: f64) -> Space {
         let mut space = Space {
             z: Vec::new(),
@@ -215,7 +216,7 @@ fn subtract(w: &mut Mat<C32>, q: &Mat<C32>, share: &Mat<C32>) {
     );
 }
 
-/// The products of all columns with one another, in double precision.
+/// The Gram matrix of the columns in double precision.
 fn gram(x: &Mat<C32>) -> Mat<C64> {
     const ROWS: usize = 1024;
     let mut gram = Mat::zeros(x.ncols(), x.ncols());
@@ -237,8 +238,8 @@ fn gram(x: &Mat<C32>) -> Mat<C64> {
     gram
 }
 
-/// Orthonormal columns that span those of `x` but for rests smaller than [`PART`] of each or than `smallest`: by
-/// Cholesky's factors of the Gramian with pivoting.
+/// Orthonormal columns that span those of `x`, except for remainders smaller than [`PART`] of each column or than
+/// `smallest`, from the pivoted Cholesky factorisation of the Gram matrix.
 fn independent(x: &Mat<C32>, smallest: f64) -> Mat<C32> {
     let mut rest = gram(x);
     let n = rest.nrows();
@@ -246,7 +247,7 @@ fn independent(x: &Mat<C32>, smallest: f64) -> Mat<C32> {
         .map(|i| (PART * PART * rest[(i, i)].re).max(smallest * smallest))
         .collect();
     let mut chosen: Vec<usize> = Vec::new();
-    // Columns of the factor L, of all n rows.
+    // Columns of the factor L, with all n rows.
     let mut factor: Vec<Vec<C64>> = Vec::new();
     for _ in 0..n {
         let open = (0..n).filter(|&i| rest[(i, i)].re > allowed[i] && !chosen.contains(&i));
@@ -283,7 +284,7 @@ fn orthonormal(x: Mat<C32>) -> (Mat<C32>, Mat<C32>) {
     let n = x.ncols();
     let mut total = Mat::<C64>::identity(n, n);
     let mut q = x;
-    // Twice, because the condition of the Gramian is that of the columns squared.
+    // Repeated once, because the condition number of the Gram matrix is the square of that of the columns.
     for _ in 0..2 {
         let rest = gram(&q);
         let mut upper = Mat::<C64>::zeros(n, n);
@@ -328,7 +329,7 @@ fn times_inverse(x: &Mat<C32>, upper: &Mat<C64>) -> Mat<C32> {
     result
 }
 
-/// The solution of an upper triangular system.
+/// Solves an upper triangular system.
 fn solve_upper(upper: &Mat<C32>, right: &Mat<C32>) -> Mat<C32> {
     let n = upper.nrows();
     let mut y = right.clone();

@@ -1,18 +1,18 @@
-//! The equations of a large surface with a compressed matrix, solved by a block Krylov method.
+//! Equations of a large surface with a compressed matrix, solved by a block Krylov method.
 //!
 //! ```text
-//! clusters  unknowns halved in space; pairs of clusters divide the matrix in blocks, near or distant
-//! points    the far rule's points around each cluster
+//! clusters  unknowns bisected in space; pairs of clusters divide the matrix into near and distant blocks
+//! points    quadrature points of the far rule around each cluster
 //! kernel    rows and columns of a distant block
-//! cross     its approximation by adaptive crosses, M ~ sum_l u_l v_l^T
-//! near      near blocks from the same tiles and rules as the dense matrix
+//! cross     its approximation by adaptive cross approximation, M ~ sum_l u_l v_l^T
+//! near      near blocks, from the same tiles and rules as the dense matrix
 //! operator  product of all blocks with many columns
-//! schwarz   overlapping inverses of the leaves, the preconditioner
+//! schwarz   preconditioner: overlapping inverses of the leaves
 //! krylov    block GMRES for all patterns at once
 //! ```
 //!
-//! Storage grows about as N^1.5 and time as N^1.3 at a fixed number of panels per wavelength, against N² and N³ of the
-//! dense matrix.
+//! At a fixed number of panels per wavelength, memory grows about as N^1.5 and time as N^1.3, compared with N² and N³
+//! for the dense matrix.
 
 mod clusters;
 mod cross;
@@ -40,23 +40,23 @@ use near::NearPairs;
 use operator::{Compressed, Dense};
 use schwarz::Schwarz;
 
-/// Accuracy of the compressed matrix and of its solution, relative.
+/// Relative accuracy of the compressed matrix and of its solution.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Accuracy {
-    /// Of every distant block, in the Frobenius norm.
+    /// Accuracy of every distant block in the Frobenius norm.
     pub(crate) block: f64,
     /// Residual of every pattern relative to its right-hand side.
     pub(crate) residual: f64,
 }
 
-/// A surface divided in clusters, for all frequencies.
+/// A surface divided into clusters, for all frequencies.
 #[derive(Debug)]
 pub(crate) struct CompressedSurface {
     tree: ClusterTree,
     partition: Partition,
     near: NearPairs,
     distant: DistantBlocks,
-    /// First corner value of each panel of the mesh.
+    /// Index of the first corner value of each panel of the mesh.
     first_value: Vec<usize>,
 }
 
@@ -79,8 +79,8 @@ impl CompressedSurface {
         }
     }
 
-    /// Pressure, unknowns x patterns, of every parity: `factor` times the inverse of 1/2 - K + alpha W times
-    /// (S + alpha (1/2 + K')) v.
+    /// Pressure, unknowns x patterns, for every parity: `factor` times the inverse of 1/2 - K + alpha W times (S +
+    /// alpha (1/2 + K')) v.
     ///
     /// # Errors
     /// [`BemError::NotConverged`].
@@ -147,7 +147,7 @@ impl CompressedSurface {
         Ok(found)
     }
 
-    /// 1/2 on both sides.
+    /// Adds the terms with 1/2 on both sides.
     fn add_jump(
         &self,
         equations: &Equations<'_>,

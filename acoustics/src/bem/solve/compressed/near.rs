@@ -1,4 +1,4 @@
-//! The blocks of close clusters, from the same tiles as the dense matrix.
+//! Blocks between close clusters, from the same tiles as the dense matrix.
 
 use super::Equations;
 use super::clusters::{ClusterTree, Partition};
@@ -11,37 +11,37 @@ use crate::bem::operators::wave::{Buffer, Operators};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 
-/// Number of blocks of panels whose contributions are in memory at a time.
+/// Number of panel blocks whose contributions are in memory at a time.
 const BATCH: usize = 64;
 
-/// Which pairs of leaves are close, and where the blocks of the matrix are.
+/// Which pairs of leaves are close, and where their blocks of the matrix are stored.
 #[derive(Debug)]
 pub(super) struct NearPairs {
-    /// Number of the block of leaves t, s at `t * leaves + s`; [`NONE`] for distant leaves.
+    /// Index of the block of leaves t, s, at `t * leaves + s`; [`NONE`] for distant leaves.
     number: Vec<u32>,
     leaves: usize,
-    /// Leaf of each unknown, and its place in the leaf.
+    /// Leaf of each unknown, and the unknown's position in the leaf.
     leaf_of: Vec<u32>,
     local: Vec<u32>,
     /// Leaf that owns each panel of the mesh.
     owners: Vec<usize>,
-    /// Blocks of panels that share a close pair of leaves with each block and are not before it.
+    /// For each panel block, the later blocks (and itself) that share a close pair of leaves with it.
     close: Vec<Vec<usize>>,
-    /// Rows and columns of every block of the matrix.
+    /// Numbers of rows and columns of every block of the matrix.
     sizes: Vec<[usize; 2]>,
 }
 
-/// Marks distant leaves.
+/// Marks pairs of distant leaves.
 const NONE: u32 = u32::MAX;
 
-/// The near blocks of one parity, and their share of the right-hand sides: unknowns x patterns, real and imaginary
-/// part.
+/// The near blocks of one parity, and their contribution to the right-hand sides: unknowns x patterns, real and
+/// imaginary part.
 pub(super) struct NearSums {
     pub(super) blocks: Vec<Mat<Complex<f32>>>,
     pub(super) right: [Mat<f64>; 2],
 }
 
-/// What two blocks of panels contribute.
+/// Contribution of a pair of panel blocks.
 struct Contribution {
     /// The second block.
     second: usize,
@@ -53,7 +53,7 @@ struct Contribution {
 }
 
 impl NearPairs {
-    /// `owners` gives the leaf that owns each panel: that of one of its unknowns.
+    /// `owners` gives the leaf that owns each panel, which is the leaf of one of its unknowns.
     pub(super) fn new(tree: &ClusterTree, partition: &Partition, blocks: &[Block], owners: Vec<usize>) -> Self {
         let leaves = tree.leaves.len();
         let mut leaf_number = vec![0; tree.clusters.len()];
@@ -103,7 +103,7 @@ impl NearPairs {
         }
     }
 
-    /// The near blocks and their share of the right-hand sides, parity by parity.
+    /// The near blocks and their contribution to the right-hand sides, for each parity.
     pub(super) fn assemble(&self, equations: &Equations<'_>, patterns: &[(Parity, &DMatrix<f64>)]) -> Vec<NearSums> {
         let blocks = equations.blocks;
         let zeros = |p: &(Parity, &DMatrix<f64>)| NearSums {
@@ -140,8 +140,8 @@ impl NearPairs {
         sums
     }
 
-    /// Contributions of a block of panels and those close to it; `patterns` are those of every parity at the points of
-    /// each block.
+    /// Contributions of a panel block and those close to it; `patterns` are those of every parity at the points of each
+    /// block.
     fn row(
         &self,
         equations: &Equations<'_>,
@@ -192,7 +192,7 @@ impl NearPairs {
     }
 
     /// Adds a matrix from the second unknowns to the first, row by row, or the transpose of one from the first to the
-    /// second, where their leaves are close.
+    /// second, for unknowns in close leaves.
     fn add(&self, [e, f]: [&[usize]; 2], values: &[Complex<f32>], transposed: bool, to: &mut [Mat<Complex<f32>>]) {
         for (&row, values) in e.iter().zip(values.chunks_exact(f.len())) {
             for (&column, value) in f.iter().zip(values) {
@@ -204,7 +204,7 @@ impl NearPairs {
         }
     }
 
-    /// The entry of two unknowns; zero if their leaves are distant.
+    /// The entry for two unknowns; zero if their leaves are distant.
     pub(super) fn entry(&self, row: usize, column: usize, of: &[Dense]) -> Complex<f32> {
         match self.block(self.leaf_of[row], self.leaf_of[column]) {
             Some(block) => of[block].matrix[(self.local[row] as usize, self.local[column] as usize)],
@@ -212,14 +212,14 @@ impl NearPairs {
         }
     }
 
-    /// Adds to the entry of two unknowns of close leaves.
+    /// Adds to the entry for two unknowns in close leaves.
     pub(super) fn add_entry(&self, row: usize, column: usize, value: f32, to: &mut [Dense]) {
         if let Some(block) = self.block(self.leaf_of[row], self.leaf_of[column]) {
             to[block].matrix[(self.local[row] as usize, self.local[column] as usize)] += value;
         }
     }
 
-    /// Sets entries of B between an unknown and a panel to zero if the unknown's leaf and the panel's are distant.
+    /// Zeroes entries of B between unknowns and panels in distant leaves.
     fn clear_distant(&self, operators: &mut Operators, [e, f]: [&Block; 2], diagonal: bool) {
         let distant = |node: usize, panel: usize| self.block(self.leaf_of[node], self.owners[panel] as u32).is_none();
         let clear = |buffer: &mut Buffer, row: usize, column: usize| {

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Most columns that are multiplied at a time.
+/// Largest number of columns multiplied at a time.
 const COLUMNS: usize = 64;
 
 /// A block of low rank, left times right transposed.
@@ -26,7 +26,7 @@ pub(super) struct Dense {
     pub(super) matrix: Mat<Complex<f32>>,
 }
 
-/// A matrix of blocks, in the order of the clusters' places.
+/// A matrix of blocks, ordered by the positions in the cluster tree.
 #[derive(Debug, Default)]
 pub(super) struct Compressed {
     pub(super) unknowns: usize,
@@ -35,7 +35,8 @@ pub(super) struct Compressed {
 }
 
 impl Compressed {
-    /// The matrix times `x`. The result does not depend on the number of threads: each thread multiplies other columns.
+    /// The matrix times `x`. The result does not depend on the number of threads, because threads process different
+    /// columns.
     pub(super) fn times(&self, x: MatRef<'_, Complex<f32>>) -> Mat<Complex<f32>> {
         by_columns(x, |x| self.times_some(x))
     }
@@ -69,7 +70,7 @@ impl Compressed {
     }
 }
 
-/// Applies an operator of as many rows as columns to some columns at a time.
+/// Applies an operator with as many rows as columns to a few columns at a time.
 pub(super) fn by_columns(
     x: MatRef<'_, Complex<f32>>,
     each: impl Fn(MatRef<'_, Complex<f32>>) -> Mat<Complex<f32>> + Sync + Send,
@@ -86,9 +87,9 @@ pub(super) fn by_columns(
     product
 }
 
-/// Applies `each` to all items; the results are in the order of the items. In parallel, or in turn on a thread of a
-/// pool that is working on several frequencies already: waiting there for a part of one frequency would begin further
-/// frequencies, each with its own matrix.
+/// Applies `each` to all items; the results are in the order of the items. Runs in parallel, except on a thread of a
+/// pool that already works on several frequencies: if such a thread waited for part of one frequency, it would start
+/// further ones, each with its own matrix.
 pub(super) fn map_in_parallel<T: Send, R: Send>(items: Vec<T>, each: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
     if rayon::current_thread_index().is_some() {
         items.into_iter().map(each).collect()

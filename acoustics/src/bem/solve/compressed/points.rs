@@ -1,4 +1,4 @@
-//! The points of the far rule on the panels around a cluster's unknowns.
+//! Quadrature points of the far rule on the panels around a cluster's unknowns.
 
 use super::clusters::{Cluster, ClusterTree};
 use crate::bem::mesh::boundary::Boundary;
@@ -7,30 +7,30 @@ use crate::bem::mesh::rules;
 use faer::{Mat, MatRef};
 use nalgebra::{Complex, Vector3};
 
-/// Arrays of points are padded to a multiple of the widest vector.
+/// Arrays of points are padded to a multiple of the vector width.
 pub(super) const LANES: usize = 16;
 
-/// Arrays of a point: position, unit normal, area times weight.
+/// Number of arrays: position, unit normal, area times weight.
 pub(super) const FIELDS: usize = 7;
 
-/// The points of all panels, in the order of the leaves that own them, and which panels carry which unknowns.
+/// The points of all panels in the order of the leaves that own them, and the relation between panels and unknowns.
 #[derive(Debug)]
 pub(super) struct PanelPoints {
     /// Panels in order.
     panels: Vec<usize>,
-    /// First point of each panel in order, and the number of all points.
+    /// Index of the first point of each panel in order, followed by the total number of points.
     first: Vec<usize>,
-    /// `FIELDS` arrays, one after another; positions relative to the middle of the body.
+    /// `FIELDS` consecutive arrays; positions are relative to the centre of the body.
     data: Vec<f32>,
     /// Values of the corner functions at each point.
     corner_values: Vec<[f32; 4]>,
-    /// Places of the unknowns at each panel's corners (of panels in order).
+    /// Positions of the unknowns at each panel's corners (panels in order).
     places: Vec<[usize; 4]>,
-    /// Panels (by their number in order) that carry the unknown at each place.
+    /// For each position, the panels (by index in order) that carry its unknown.
     around: Vec<Vec<u32>>,
-    /// Number of the first panel in order that each leaf owns, and the number of panels.
+    /// For each leaf, the index in order of the first panel that it owns; followed by the number of panels.
     owned: Vec<usize>,
-    /// Middle of the body, the origin of the positions.
+    /// Centre of the body, the origin of the positions.
     pub(super) middle: Vector3<f64>,
 }
 
@@ -103,8 +103,8 @@ impl PanelPoints {
         self.corner_values.len()
     }
 
-    /// The values of patterns at all points, points x patterns, from corner values of every panel (of the mesh) x
-    /// patterns; `first_value` is the first corner value of each panel.
+    /// Evaluates patterns at all points (points x patterns), given corner values of every panel of the mesh x patterns;
+    /// `first_value` is the index of the first corner value of each panel.
     pub(super) fn of_patterns(&self, first_value: &[usize], values: &nalgebra::DMatrix<f64>) -> Mat<f32> {
         let mut at = Mat::zeros(self.len(), values.ncols());
         for (q, &p) in self.panels.iter().enumerate() {
@@ -120,7 +120,7 @@ impl PanelPoints {
         at
     }
 
-    /// Number (an index of [`ClusterTree::leaves`]) of the leaf that owns each panel of the mesh.
+    /// For each panel of the mesh, the leaf (an index into [`ClusterTree::leaves`]) that owns it.
     pub(super) fn owners(&self) -> Vec<usize> {
         let mut owners = vec![0; self.panels.len()];
         for leaf in 0..self.owned.len() - 1 {
@@ -176,20 +176,20 @@ impl PanelPoints {
     }
 }
 
-/// The points on all panels that carry an unknown of a cluster; those of the panels that it owns first.
+/// The points on all panels that carry an unknown of a cluster, beginning with the panels that it owns.
 #[derive(Debug)]
 pub(super) struct ClusterPoints {
     pub(super) count: usize,
-    /// Length of an array.
+    /// Padded length of an array.
     pub(super) padded: usize,
-    /// Points of the panels that the cluster owns, contiguous from `first_point` in [`PanelPoints`].
+    /// Number of points on the panels that the cluster owns, contiguous from `first_point` in [`PanelPoints`].
     pub(super) own: usize,
-    /// The same, padded.
+    /// The same number, padded.
     pub(super) own_padded: usize,
     pub(super) first_point: usize,
-    /// `FIELDS` arrays, one after another, padded with points of no area.
+    /// `FIELDS` consecutive arrays, padded with points of zero area.
     pub(super) data: Vec<f32>,
-    /// Point, unknown of the cluster, value of its function there.
+    /// Point, unknown of the cluster, and value of the unknown's function at the point.
     to_unknowns: Vec<(u32, u32, f32)>,
     unknowns: usize,
 }
@@ -205,7 +205,7 @@ impl ClusterPoints {
         self.data[(FIELDS - 1) * self.padded + i]
     }
 
-    /// Tests with the functions of the unknowns: from vectors of values at the points, with stride `length` and
+    /// Tests with the functions of the unknowns: maps vectors of values at the points, with stride `length` and
     /// imaginary parts `padded` after the real parts, to unknowns x vectors.
     pub(super) fn test(&self, vectors: &[f32], length: usize) -> Mat<Complex<f32>> {
         let mut tested = Mat::zeros(self.unknowns, vectors.len() / length);

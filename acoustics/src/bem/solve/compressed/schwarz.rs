@@ -1,9 +1,9 @@
-//! Overlapping inverses of the leaves' own equations as a preconditioner (restricted additive Schwarz method, Cai &
+//! Preconditioner of overlapping inverses of the leaves' own equations (restricted additive Schwarz method, Cai &
 //! Sarkis 1999).
 //!
-//! The eigenvalues of 1/2 - K + alpha W for waves longer than those of the air lie between 1/2 and 1, but grow with the
-//! wavenumber for shorter ones. These decay within a panel or two, so that the equations of a leaf and its surroundings
-//! determine them.
+//! The eigenvalues of 1/2 - K + alpha W lie between 1/2 and 1 for surface waves longer than the acoustic wavelength,
+//! but grow with the wavenumber for shorter waves. The latter decay within a panel or two, so they are determined by
+//! the equations of a leaf and its surroundings.
 
 use super::Equations;
 use super::clusters::ClusterTree;
@@ -15,18 +15,18 @@ use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::Complex;
 use std::ops::Range;
 
-/// Panels around a leaf that belong to its equations.
+/// Number of panel layers around a leaf included in its equations.
 const OVERLAP: usize = 2;
 
 /// The inverses, and the scale of the unknowns.
 #[derive(Debug)]
 pub(super) struct Schwarz {
-    /// d^-1/2, with d the area of each unknown's function, at each place.
+    /// d^-1/2 at each position, where d is the area of the unknown's function.
     pub(super) scale: Vec<f64>,
     parts: Vec<Part>,
 }
 
-/// The rows of a leaf of the inverse of the equations of its surroundings.
+/// The rows of a leaf in the inverse of the equations of its surroundings.
 #[derive(Debug)]
 struct Part {
     rows: Range<usize>,
@@ -35,7 +35,7 @@ struct Part {
 }
 
 impl Schwarz {
-    /// For the scaled matrix D^-1/2 A D^-1/2 without the `held` places.
+    /// Creates the preconditioner of the scaled matrix D^-1/2 A D^-1/2 without the positions in `held`.
     pub(super) fn new(
         equations: &Equations<'_>,
         tree: &ClusterTree,
@@ -92,7 +92,7 @@ impl Schwarz {
         Self { scale, parts }
     }
 
-    /// The inverses times `x`.
+    /// The preconditioner times `x`.
     pub(super) fn times(&self, x: MatRef<'_, Complex<f32>>) -> Mat<Complex<f32>> {
         by_columns(x, |x| {
             let mut product = Mat::zeros(x.nrows(), x.ncols());

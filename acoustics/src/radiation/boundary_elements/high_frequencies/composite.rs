@@ -4,12 +4,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Width of the transition from single frequencies to averages, in octaves below the top of single frequencies.
+/// Width of the transition from single frequencies to averages, in octaves below the upper end of single frequencies.
 const FADING: f64 = 1.0 / 12.0;
 
-/// Radiation resistance of one parity over all frequencies. It is composed of boundary elements at single frequencies,
-/// on meshes that become finer with frequency; of averages of boundary elements over frequency bands above; and of the
-/// high-frequency limit.
+/// Radiation resistance of one parity over all frequencies. It combines boundary elements at single frequencies, on
+/// meshes that become finer with frequency; above these, boundary elements averaged over frequency bands; and finally
+/// the high-frequency limit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct CompositeRadiation {
     /// Ranges of single frequencies; each begins where the previous one ends.
@@ -17,7 +17,7 @@ pub(crate) struct CompositeRadiation {
     above: AveragedResistance,
     /// Number of nodes of `above` that come from boundary elements; the others come from the limit.
     solved: usize,
-    /// The limit at frequencies at which boundary elements are known too.
+    /// The limit at frequencies for which boundary-element results are also available.
     limit: AveragedResistance,
     erp: Erp,
     from_hz: f64,
@@ -30,12 +30,12 @@ pub(crate) struct HighFrequencyRadiation {
     pub(crate) means: AveragedResistance,
     /// Number of nodes that come from boundary elements.
     pub(crate) solved: usize,
-    /// The limit at frequencies at which boundary elements are known too.
+    /// The limit at frequencies for which boundary-element results are also available.
     pub(crate) limit: AveragedResistance,
 }
 
 impl CompositeRadiation {
-    /// Joins ranges of single frequencies, in rising order without gaps, with the radiation above them.
+    /// Joins ranges of single frequencies, in ascending order without gaps, with the radiation above them.
     pub(crate) fn new(levels: Vec<SampledRadiation>, above: HighFrequencyRadiation, erp: Erp) -> Self {
         let to_hz = levels.last().map_or(0.0, ModalRadiation::highest_hz);
         Self {
@@ -49,7 +49,7 @@ impl CompositeRadiation {
         }
     }
 
-    /// With the first `count` patches as one of the name `name`.
+    /// Combines the first `count` patches into one called `name`.
     #[must_use]
     pub(crate) fn with_sum_of_patches(&self, count: usize, name: &str) -> Self {
         let of_level = |level: &SampledRadiation| level.with_sum_of_patches(count, name);
@@ -72,23 +72,23 @@ impl CompositeRadiation {
         &self.erp
     }
 
-    /// Transition from single frequencies to averages: beginning and end \[Hz\].
+    /// Transition from single frequencies to averages: start and end \[Hz\].
     pub(crate) fn solved_hz(&self) -> [f64; 2] {
         [self.from_hz, self.to_hz]
     }
 
-    /// Transition from averaged boundary elements to the limit: beginning and end \[Hz\].
+    /// Transition from averaged boundary elements to the limit: start and end \[Hz\].
     pub(crate) fn transition_hz(&self) -> [f64; 2] {
         let node = |n: usize| self.above.hz().get(n).or(self.above.hz().last()).map_or(0.0, |hz| *hz);
         [node(self.solved - 1), node(self.solved)]
     }
 
-    /// The lowest frequency at which the limit is known \[Hz\].
+    /// The lowest frequency at which the limit was evaluated \[Hz\].
     pub(crate) fn limit_from_hz(&self) -> f64 {
         self.limit.hz()[0]
     }
 
-    /// Energy forms of the limit only, where boundary elements are known too.
+    /// Energy forms of the limit alone, where boundary-element results are also available.
     pub(crate) fn limit_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
         let all = vec![1.0; frequency.len()];
@@ -111,8 +111,8 @@ impl CompositeRadiation {
         self.levels.iter().position(|l| hz <= l.highest_hz()).unwrap_or(last)
     }
 
-    /// Runs of bins below the end of the transition that use the same range: its index, and the half-open range of
-    /// bins.
+    /// Runs of bins below the end of the transition that use the same range: index of the range, and the half-open
+    /// range of bins.
     pub(crate) fn runs(&self, frequency: &[f64]) -> Vec<(usize, usize, usize)> {
         let mut runs: Vec<(usize, usize, usize)> = Vec::new();
         for (bin, &hz) in frequency.iter().enumerate().filter(|(_, hz)| **hz < self.to_hz) {
@@ -200,9 +200,9 @@ impl ModalRadiation for CompositeRadiation {
         2 * self.modes()
     }
 
-    /// Signals of all parts, weighted by the roots of their shares, so that the energies add exactly. The first half of
-    /// the rows contains single frequencies and every second node above, the second half the other nodes; two parts in
-    /// the same row never overlap in frequency.
+    /// Signals of all parts, weighted with the square roots of their shares, so that energies add exactly. The first
+    /// half of the rows contains single frequencies and every second node above, the second half the remaining nodes;
+    /// two parts in the same row never overlap in frequency.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let modes = self.modes();
         let shares = self.shares(frequency);

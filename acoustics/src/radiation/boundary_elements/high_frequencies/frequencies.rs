@@ -1,4 +1,4 @@
-//! Frequencies for the high-frequency limit: above boundary elements, and within their range for comparison.
+//! Frequencies of the high-frequency limit: above boundary elements, and within their range for comparison.
 
 use super::faces::Faces;
 use super::mean_bands::MeanBands;
@@ -7,17 +7,17 @@ use crate::bem::solve::problem::Exterior;
 use crate::radiation::Resistance;
 use nalgebra::DMatrix;
 
-/// Octaves between neighbouring evaluations of the high-frequency limit; each is averaged over the same width.
+/// Spacing of the evaluations of the high-frequency limit in octaves; each is averaged over the same width.
 const LIMIT_OCTAVES: f64 = 1.0 / 3.0;
 
-/// Number of evaluations of the limit at and below the top of single frequencies, for comparison with boundary
+/// Number of evaluations of the limit at and below the upper end of single frequencies, for comparison with boundary
 /// elements.
 const COMPARED: i32 = 2;
 
 /// Highest frequency at which the limit is evaluated \[Hz\]; it is constant above.
 const FARTHEST: f64 = 10e3;
 
-/// Frequencies for the comparison of the limit with boundary elements \[Hz\]: the last is the centre of the last
+/// Frequencies at which the limit is compared with boundary elements \[Hz\]: the last is the centre of the last
 /// averaging band, the others are at least half their spacing below it.
 fn compared(bands: &MeanBands) -> Vec<f64> {
     let last = bands.last_octaves();
@@ -35,15 +35,15 @@ fn above(bands: &MeanBands) -> Vec<f64> {
         .collect()
 }
 
-/// The high-frequency limit of one parity: frequency \[Hz\], and resistance of every patch.
+/// The high-frequency limit of one parity: frequency \[Hz\], and resistance of each patch.
 pub(crate) struct Limit {
-    /// At the frequencies of comparison with boundary elements.
+    /// At the frequencies for comparison with boundary elements.
     pub(crate) below: Vec<(f64, Vec<Resistance>)>,
     /// At the frequencies above boundary elements.
     pub(crate) above: Vec<(f64, Vec<Resistance>)>,
 }
 
-/// The limit of all parities. The last patch, added to those of the boundary, radiates nothing.
+/// The limit of all parities. The last patch, which is added to those of the boundary, radiates nothing.
 pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], bands: &MeanBands) -> Vec<Limit> {
     let air = problem.air();
     let faces = Faces::new(problem.boundary(), air.sound_speed / bands.upper_hz());

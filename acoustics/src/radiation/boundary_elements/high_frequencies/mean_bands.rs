@@ -1,21 +1,21 @@
-//! Bands above single frequencies, over which boundary elements are averaged.
+//! Bands above the range of single frequencies, over which boundary elements are averaged.
 
-/// Largest width of a band in octaves, and number of frequencies solved in it.
+/// Largest width of a band in octaves, and number of frequencies solved per band.
 const WIDTH: f64 = 1.0 / 6.0;
 const SAMPLES: usize = 3;
 
-/// Octaves above the top of single frequencies whose averages still use the mesh of that top. Single frequencies
-/// scatter more than a band with that mesh's four panels per wavelength.
+/// Octaves above the upper end of single frequencies in which averages still use the same mesh. Even with that mesh's
+/// four panels per wavelength, averages over a band scatter less than single frequencies do.
 const ON_SAME_MESH: f64 = 0.5;
 
-/// Most bands of one finer mesh: half an octave.
+/// Largest number of bands per finer mesh: half an octave.
 const ON_FINER_MESH: usize = 3;
 
 /// Prevents rounding from adding a band.
 const SLACK: f64 = 1e-9;
 
-/// Adjacent bands of equal width, at most a sixth of an octave, from the top of single frequencies up. The mesh of
-/// single frequencies serves the bands within half an octave; the bands above need finer meshes.
+/// Adjacent bands of equal width, at most a sixth of an octave, from the upper end of single frequencies upwards. The
+/// bands within half an octave use the mesh of single frequencies; those above need finer meshes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanBands {
     top: f64,
@@ -29,13 +29,13 @@ pub struct MeanBand {
     pub centre_hz: f64,
     /// Upper end \[Hz\].
     pub upper_hz: f64,
-    /// Frequencies solved in it \[Hz\].
+    /// Frequencies solved in the band \[Hz\].
     pub samples_hz: Vec<f64>,
 }
 
 impl MeanBands {
-    /// The bands from the top of single frequencies to `to_hz` \[Hz\], at least one of a sixth of an octave; without
-    /// `to_hz` half an octave of them.
+    /// The bands from the upper end of single frequencies to `to_hz` \[Hz\], at least one of a sixth of an octave;
+    /// without `to_hz` they cover half an octave.
     pub fn new(top_hz: f64, to_hz: Option<f64>) -> Self {
         Self {
             top: top_hz,
@@ -43,12 +43,12 @@ impl MeanBands {
         }
     }
 
-    /// Octaves from the lowest to the upper end.
+    /// Octaves covered by all bands.
     pub(crate) fn octaves(&self) -> f64 {
         self.octaves
     }
 
-    /// The same number of octaves above another top of single frequencies \[Hz\].
+    /// The same number of octaves above a different upper end of single frequencies \[Hz\].
     pub(crate) fn of_octaves(top_hz: f64, octaves: f64) -> Self {
         Self { top: top_hz, octaves }
     }
@@ -58,28 +58,28 @@ impl MeanBands {
         (self.octaves / WIDTH - SLACK).ceil() as usize
     }
 
-    /// Number of bands that the mesh of single frequencies serves.
+    /// Number of bands that use the mesh of single frequencies.
     pub fn on_same_mesh(&self) -> usize {
         ((ON_SAME_MESH / self.width() + SLACK) as usize).min(self.count())
     }
 
-    /// Number of frequencies solved in so many bands.
+    /// Number of frequencies solved in this many bands.
     pub fn samples(bands: usize) -> usize {
         SAMPLES * bands
     }
 
-    /// Upper end of all bands \[Hz\].
+    /// Upper end of the last band \[Hz\].
     pub fn upper_hz(&self) -> f64 {
         self.upper_of(self.count())
     }
 
-    /// Upper end of those bands that the mesh of single frequencies serves \[Hz\].
+    /// Upper end of the bands that use the mesh of single frequencies \[Hz\].
     pub fn same_mesh_to_hz(&self) -> f64 {
         self.upper_of(self.on_same_mesh())
     }
 
-    /// The finer meshes that the other bands need, in rising order: the highest frequency of each \[Hz\], and its
-    /// number of bands. They share the bands evenly, at most half an octave each.
+    /// The finer meshes for the other bands, in ascending order: the highest frequency of each \[Hz\], and its number
+    /// of bands. The bands are divided evenly among them, at most half an octave each.
     pub fn finer_meshes(&self) -> Vec<(f64, usize)> {
         let (first, rest) = (self.on_same_mesh(), self.count() - self.on_same_mesh());
         let meshes = rest.div_ceil(ON_FINER_MESH);
@@ -107,7 +107,7 @@ impl MeanBands {
         (self.count() as f64 - 0.5) * self.width()
     }
 
-    /// A frequency at so many octaves above the lowest end \[Hz\].
+    /// The frequency this many octaves above the lowest end \[Hz\].
     pub(crate) fn above(&self, octaves: f64) -> f64 {
         self.top * 2f64.powf(octaves)
     }

@@ -1,4 +1,4 @@
-//! Frequencies above those solved one by one: averaged boundary elements, and the high-frequency limit.
+//! Frequencies above those solved individually: averaged boundary elements, and the high-frequency limit.
 
 pub(crate) mod composite;
 pub(crate) mod faces;

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 const STEP: f64 = 1e-5;
 const SAMPLES: usize = 20_000;
 
-/// A dense Z(s), and the highest frequency at which it counts as known.
+/// A dense Z(s), and the highest frequency at which it is taken as known.
 struct Closed<F>(usize, f64, F);
 
 impl<F: Fn(Complex<f64>) -> DMatrix<Complex<f64>> + Sync> Impedance for Closed<F> {
@@ -31,9 +31,9 @@ impl<F: Fn(Complex<f64>) -> DMatrix<Complex<f64>> + Sync> Impedance for Closed<F
     }
 }
 
-/// A structure with a spherical source in each mode, in the fluid: Z = B s tau/(1 + s tau).
+/// A structure in fluid with a spherical source in each mode: Z = B s tau/(1 + s tau).
 ///
-/// With r' = (v - r)/tau the pressure's force is B (v - r), so that the motion follows from one more state per mode.
+/// With r' = (v - r)/tau, the pressure force is B (v - r), so the motion follows from one additional state per mode.
 struct Spheres {
     omega: Vec<f64>,
     zeta: f64,
@@ -41,7 +41,7 @@ struct Spheres {
     limit: DMatrix<f64>,
     /// a/c \[s\].
     tau: f64,
-    /// Support of all modes with the same amplitude: k, c.
+    /// Support of all modes with equal amplitude: k, c.
     support: [f64; 2],
 }
 
@@ -83,7 +83,7 @@ impl Spheres {
         }
     }
 
-    /// Displacements and velocities of the modes in vacuum under the same force on each, samples x modes.
+    /// Displacements and velocities of the modes in vacuum for the same force on each, samples x modes.
     fn exact(&self, force: &[f64]) -> [DMatrix<f64>; 2] {
         let n = self.count();
         let mut a = DMatrix::zeros(3 * n, 3 * n);
@@ -103,7 +103,7 @@ impl Spheres {
         march(&a, &by_force, force, n)
     }
 
-    /// The same with the frozen impedance, in its coordinates.
+    /// The same with frozen impedance, in its coordinates.
     fn with_frozen(&self, wet: &WetModes, force: &[f64]) -> [DMatrix<f64>; 2] {
         let (n, frozen) = (self.count(), self.frozen(wet));
         let p = frozen.supports.column(0);
@@ -121,7 +121,7 @@ impl Spheres {
         march(&a, &by_force, force, n)
     }
 
-    /// Displacement and velocity by the correction, with the correction itself.
+    /// Displacement and velocity from the correction, and the correction itself.
     fn corrected(&self, force: &[f64]) -> ([DMatrix<f64>; 2], DMatrix<f64>, ImpedanceCorrection) {
         let wet = self.wet();
         let [u, v] = self.with_frozen(&wet, force);
@@ -143,7 +143,7 @@ impl Spheres {
     }
 }
 
-/// x' = A x + b f with f constant over each step, from rest; the first states and the next ones, `count` each.
+/// x' = A x + b f with f constant over each step, from rest; returns the first `count` states and the next `count`.
 fn march(a: &DMatrix<f64>, b: &DVector<f64>, force: &[f64], count: usize) -> [DMatrix<f64>; 2] {
     let n = a.nrows();
     let mut joined = DMatrix::zeros(n + 1, n + 1);
@@ -166,7 +166,7 @@ fn march(a: &DMatrix<f64>, b: &DVector<f64>, force: &[f64], count: usize) -> [DM
     [q, v]
 }
 
-/// Largest difference relative to the largest value.
+/// Largest difference, relative to the largest value.
 fn off(found: &DMatrix<f64>, exact: &DMatrix<f64>) -> f64 {
     (found - exact).amax() / exact.amax()
 }
@@ -279,7 +279,8 @@ fn nothing_is_added_where_the_complete_impedance_is_the_frozen_one() {
     }
 }
 
-/// Work of the force = losses of the structure + losses of the support + energy radiated, once the motion is over.
+/// Once the motion has ended, the work of the force equals the losses in the structure and support plus the energy
+/// radiated.
 #[test]
 fn what_the_force_does_is_dissipated_or_radiated() {
     let spheres = Spheres {

@@ -62,7 +62,7 @@ pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, Assembly
     Ok(sensors)
 }
 
-/// Whether the sensor `at` needs the sensor `target`; `path` is the way to it.
+/// Whether the sensor `at` depends on the sensor `target`; `path` is the chain between them.
 fn reaches(sensors: &[Measured], at: usize, target: usize, path: &mut Vec<usize>, seen: &mut [bool]) -> bool {
     let mut needs = Vec::new();
     each_sensor(&sensors[at].sensor.value, &mut |index| needs.push(index));
@@ -121,7 +121,7 @@ pub(super) fn expression(
     }
 }
 
-/// Refuses another dimension.
+/// Rejects a different dimension.
 pub(super) fn expect(
     fields: &Fields<'_, '_>,
     key: &str,
@@ -141,7 +141,7 @@ pub(super) fn expect(
     }
 }
 
-/// A condition on the state at a node.
+/// Parses a condition on the state at a node.
 fn condition(
     fields: &Fields<'_, '_>,
     path: &str,
@@ -161,7 +161,7 @@ fn condition(
     };
     match fields.resolver.formula(path, node, text, &scope)? {
         Compiled::Conditions(all) => Ok(Condition { all }),
-        // A condition over keys alone is satisfied always or never.
+        // A condition over keys only is always or never satisfied.
         Compiled::Truth(truth) => Ok(Condition {
             all: vec![Comparison {
                 margin: Expression::Constant(if truth { 1.0 } else { -1.0 }),
@@ -172,7 +172,7 @@ fn condition(
     }
 }
 
-/// The word of a block's log, "guard opens" or "exhaust.seat shuts", if the text is one.
+/// The logged word of a block, such as "guard opens" or "exhaust.seat shuts", if the text is one.
 fn word(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Word> {
     let (name, action) = text.trim().split_once(char::is_whitespace)?;
     let (name, part) = name
@@ -192,7 +192,7 @@ fn word(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Wor
     })
 }
 
-/// The restriction of a passage that logs an action: the named one, or the only one that can.
+/// The restriction of a passage that logs an action: the one named, or the only one that can.
 fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<usize> {
     let logs = |opens: &Opens| match action {
         Action::Opens | Action::Shuts => matches!(opens, Opens::Seat { .. }),
@@ -315,7 +315,7 @@ fn schedule(fields: &Fields<'_, '_>) -> Result<Vec<(f64, bool)>, AssemblyError> 
     Ok(schedule)
 }
 
-/// The event that a field names.
+/// The event named by a field.
 pub(super) fn event_index(
     fields: &Fields<'_, '_>,
     key: &str,

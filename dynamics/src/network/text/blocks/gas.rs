@@ -26,7 +26,7 @@ pub(super) fn reservoirs(resolver: &Resolver<'_>) -> Result<Vec<Reservoir>, Asse
         .collect()
 }
 
-/// Volumes; without a temperature they have that of the atmosphere \[K\].
+/// Volumes; without a given temperature, they have that of the atmosphere \[K\].
 pub(super) fn volumes(resolver: &Resolver<'_>, atmosphere: f64) -> Result<Vec<Volume>, AssemblyError> {
     const FIELDS: [&str; 6] = ["dead", "pressure", "temperature", "wall", "isothermal", "exhaust_path"];
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
@@ -224,7 +224,7 @@ fn restriction(
     })
 }
 
-/// The area of a restriction over the state.
+/// The area of a restriction as a function of the state.
 fn opens(fields: &Fields<'_, '_>, parents: &[Base]) -> Result<Opens, AssemblyError> {
     const SEAT: [&str; 7] = ["body", "against", "opens", "at", "diameter", "angle", "cone"];
     const HOLES: [&str; 6] = ["body", "against", "opens", "at", "area", "diameter"];

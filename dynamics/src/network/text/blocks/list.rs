@@ -1,4 +1,4 @@
-//! Blocks of a family by name, and small questions about them.
+//! Blocks of a family by name, and small queries about them.
 
 use crate::network::assembly::{Base, Family, Space};
 use crate::network::text::fault::AssemblyError;
@@ -7,7 +7,7 @@ use crate::network::text::names::family_name;
 use crate::network::text::node::Node;
 use crate::network::text::resolver::Resolver;
 
-/// The blocks of a family that are on.
+/// The blocks of a family that are switched on.
 pub(super) fn each<'r, 'a>(
     resolver: &'r Resolver<'a>,
     family: Family,
@@ -26,7 +26,7 @@ pub(super) fn each<'r, 'a>(
     .collect()
 }
 
-/// The entries of a table without channels that are on.
+/// The entries of a table without channels that are switched on.
 pub(super) fn entries<'r, 'a>(
     resolver: &'r Resolver<'a>,
     table: &str,

@@ -14,12 +14,12 @@ use crate::network::text::resolver::Resolver;
 
 const BODY: [&str; 6] = ["parent", "mass", "start", "gravity", "weighted", "unbalanced"];
 
-/// Speed over which friction changes its sign, unless the block gives another \[m/s\].
+/// Velocity scale over which friction changes its sign, unless the block gives another \[m/s\].
 const WIDTH: f64 = 1e-3;
-/// Speed over which friction falls from static to sliding, unless the block gives another \[m/s\].
+/// Velocity scale over which friction falls from static to sliding, unless the block gives another \[m/s\].
 const STRIBECK: f64 = 10e-3;
 
-/// A stiffness that may be that of a rigid stop.
+/// A stiffness, up to that of a rigid stop.
 fn stiffness() -> Kind {
     nonnegative(STIFFNESS).within(0.0, 1e21)
 }
@@ -29,7 +29,7 @@ fn damping_ratio() -> Kind {
     nonnegative(NUMBER).within(0.0, 10.0)
 }
 
-/// Parents of all bodies, without circles.
+/// Parents of all bodies, without cycles.
 pub(super) fn parents(resolver: &Resolver<'_>) -> Result<Vec<Base>, AssemblyError> {
     let bodies = each(resolver, Family::Body, &BODY)?;
     let parent = |(_, fields): &(&str, Fields<'_, '_>)| Ok(fields.base("parent")?.unwrap_or(Base::Ground));
@@ -42,7 +42,7 @@ pub(super) fn parents(resolver: &Resolver<'_>) -> Result<Vec<Base>, AssemblyErro
             if next == index {
                 return Err(fields.error("parent", Fault::Circle { names }));
             }
-            // A circle that this body only leads to is found at its own bodies.
+            // A cycle that this body only leads to is reported for its own bodies.
             if names.len() > parents.len() {
                 break;
             }
@@ -52,7 +52,7 @@ pub(super) fn parents(resolver: &Resolver<'_>) -> Result<Vec<Base>, AssemblyErro
     Ok(parents)
 }
 
-/// Whether the faces of each body may leave a resultant.
+/// For each body, whether a uniform pressure on its faces may have a resultant.
 pub(in crate::network::text) fn unbalanced(resolver: &Resolver<'_>) -> Result<Vec<bool>, AssemblyError> {
     let bodies = each(resolver, Family::Body, &BODY)?;
     bodies
@@ -142,7 +142,7 @@ pub(super) fn contacts(
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let on = on(&fields)?;
         let exponent = fields.or("exponent", positive(NUMBER).within(1.0, 10.0), 1.0)?;
-        // With another exponent the unit of the stiffness is N/m^exponent, which is given as a plain number.
+        // For other exponents, the unit of the stiffness is N/m^exponent, and the value is given as a plain number.
         let kind = if exponent == 1.0 {
             stiffness()
         } else {

@@ -1,4 +1,4 @@
-//! The families of blocks, one module a kind.
+//! The families of blocks, one module per kind.
 
 mod events;
 mod gas;
@@ -19,7 +19,7 @@ use super::layers::FAMILIES;
 use super::resolver::Resolver;
 use crate::network::assembly::{Assembly, Family, Finish, Ledger};
 
-/// Fields of `[cycle]` that are no families of blocks.
+/// Fields of `[cycle]` that are not families of blocks.
 const FIELDS: [&str; 9] = [
     "gas", "gravity", "linear", "end", "finish", "ledger", "let", "outcome", "pressure",
 ];

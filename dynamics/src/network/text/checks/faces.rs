@@ -1,4 +1,4 @@
-//! A uniform pressure moves no body.
+//! Checks that a uniform pressure does not move a body.
 
 use super::place::error;
 use crate::network::assembly::{Assembly, Push};
@@ -6,10 +6,10 @@ use crate::network::text::blocks::unbalanced;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// Relative difference of areas that counts as rounding.
+/// Relative difference of areas attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The areas that push each body down and up are equal.
+/// Checks that the areas that push each body down and up are equal.
 pub(super) fn balance(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     let allowed = unbalanced(resolver)?;
     for (index, body) in assembly.bodies.iter().enumerate() {

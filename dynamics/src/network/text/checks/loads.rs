@@ -1,4 +1,4 @@
-//! The loads on the surfaces of a body add up to the force on it.
+//! Checks that the loads on the surfaces of a body add up to the force on it.
 
 use std::collections::BTreeMap;
 
@@ -10,15 +10,15 @@ use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::names::{CHANNELS, quantities};
 use crate::network::text::resolver::Resolver;
 
-/// Relative difference that counts as rounding.
+/// Relative difference attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 /// Number of random states.
 const STATES: usize = 8;
 
-/// Values of the channels of an invented state, by family, index and quantity.
+/// Values of the channels of a made-up state, by family, index and quantity.
 type State = BTreeMap<(usize, usize, usize), f64>;
 
-/// The loads of each body that has any are the force on it without its weight, at random states.
+/// Checks at random states that the loads of each body add up to the force on it without its weight.
 pub(super) fn add_up(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (body, name) in assembly
         .bodies
@@ -53,7 +53,7 @@ struct Sum<'r, 'a> {
     body: usize,
 }
 
-/// Key of a channel in a state.
+/// Identifies a channel in a state.
 fn key(channel: Channel) -> (usize, usize, usize) {
     let family = CHANNELS
         .iter()
@@ -75,7 +75,7 @@ fn channel(family: Family, index: usize, quantity: Quantity) -> Channel {
 }
 
 impl Sum<'_, '_> {
-    /// What is missing in the loads or counted twice; empty if they add up.
+    /// Describes which loads are missing or counted twice; empty if they add up.
     fn differences(&self) -> Vec<String> {
         let mut differences = Vec::new();
         let zero = State::new();
@@ -84,7 +84,7 @@ impl Sum<'_, '_> {
             let mut state = State::new();
             state.insert(key(channel), 1.0);
             let (found, expected) = (self.loads(&state) - loads, self.force(&state) - force);
-            // Forces at rest that the subtraction rounds.
+            // Static forces that the subtraction rounds.
             let rounding = ROUNDING * (expected.abs() + 1e-3 * (loads.abs() + force.abs()));
             if (found - expected).abs() > rounding {
                 differences.push(format!("{found:.6e}{unit} of {name} in place of {expected:.6e}"));
@@ -155,7 +155,7 @@ impl Sum<'_, '_> {
         of.map(|load| self.value(&load.force, state)).sum()
     }
 
-    /// Size of the forces of a state, for rounding \[N\].
+    /// Magnitude of the forces of a state, for rounding \[N\].
     fn size(&self, state: &State) -> f64 {
         let largest = state.values().fold(0.0f64, |most, value| most.max(value.abs()));
         let ambient = self.assembly.faces.iter().map(|face| face.area * 1e5).sum::<f64>();
@@ -210,8 +210,8 @@ impl Sum<'_, '_> {
         found.map_or(0.0, |(_, reservoir)| reservoir.pressure)
     }
 
-    /// Value of a channel: pressures follow from the gauge pressure, those of reservoirs are constant, and a channel
-    /// that the state does not name is zero.
+    /// Value of a channel: pressures follow from the gauge pressure, those of reservoirs are constant, and channels not
+    /// in the state are zero.
     fn channel(&self, channel: Channel, state: &State) -> f64 {
         let Channel { block, quantity } = channel;
         if let (Family::Reservoir, Some(reservoir)) = (block.family, self.assembly.reservoirs.get(block.index)) {

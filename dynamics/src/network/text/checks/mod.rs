@@ -18,6 +18,6 @@ pub(super) fn run(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), As
     volumes::do_not_collapse(resolver, assembly)?;
     passages::are_heard(resolver, assembly)?;
     passages::shut_in_turn(resolver, assembly)?;
-    springs::stay_within_their_law(resolver, assembly)?;
+    springs::check_range(resolver, assembly)?;
     loads::add_up(resolver, assembly)
 }

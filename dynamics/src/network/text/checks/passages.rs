@@ -1,4 +1,4 @@
-//! Passages to the atmosphere make noise, and no supply blows into it.
+//! Checks that passages to the atmosphere make noise, and that no supply empties through them.
 
 use super::place::{error, stop};
 use crate::network::assembly::{Assembly, Base, Opens, Passage, Push, Space, Stop};
@@ -6,7 +6,7 @@ use crate::network::text::blocks::{is_atmosphere, reaches_atmosphere};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// Every passage to the atmosphere has an opening or is silent.
+/// Checks that every passage to the atmosphere has an opening or is marked as silent.
 pub(super) fn are_heard(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (index, passage) in assembly.passages.iter().enumerate() {
         let heard = passage.silent || assembly.openings.iter().any(|opening| opening.passage == index);
@@ -17,7 +17,7 @@ pub(super) fn are_heard(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<
     Ok(())
 }
 
-/// A seat of a passage: the travel over which it is open.
+/// A seat of a passage, with the range of travel over which it is open.
 struct SeatRange {
     passage: usize,
     body: usize,
@@ -25,7 +25,7 @@ struct SeatRange {
     open: [f64; 2],
 }
 
-/// No two seats of a body are open together so that a reservoir empties into the atmosphere through both.
+/// Checks that no two seats of a body are open together such that a reservoir empties into the atmosphere through both.
 pub(super) fn shut_in_turn(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     let seats = seats(assembly);
     for (at, first) in seats.iter().enumerate() {
@@ -89,7 +89,7 @@ fn seats(assembly: &Assembly) -> Vec<SeatRange> {
     seats
 }
 
-/// Whether a passage is open whatever the bodies and triggers do.
+/// Whether a passage is open regardless of bodies and triggers.
 fn is_always_open(passage: &Passage) -> bool {
     let constant = |opens: &Opens| matches!(opens, Opens::Constant { area } if *area > 0.0);
     passage.gate.is_none()
@@ -99,7 +99,7 @@ fn is_always_open(passage: &Passage) -> bool {
             .all(|restriction| constant(&restriction.opens))
 }
 
-/// The reservoir that reaches the atmosphere through both passages and not without them.
+/// The reservoir that is connected to the atmosphere through both passages but not without them.
 fn emptied(resolver: &Resolver<'_>, assembly: &Assembly, both: [usize; 2]) -> Option<usize> {
     let reaches = |from: usize, seats: &[usize]| {
         let mut seen = vec![Space::Reservoir(from)];

@@ -1,10 +1,10 @@
-//! Places of blocks, and the stops of bodies.
+//! Locations of blocks, and the stops of bodies.
 
 use crate::network::assembly::{Assembly, Base, Contact, Stop};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// The error of a block by its name.
+/// The error for a block, given by name.
 pub(super) fn error(resolver: &Resolver<'_>, table: &str, name: &str, fault: Fault) -> AssemblyError {
     let path = format!("cycle.{table}.{name}");
     let spot = resolver
@@ -14,7 +14,7 @@ pub(super) fn error(resolver: &Resolver<'_>, table: &str, name: &str, fault: Fau
     resolver.error(&path, spot, fault)
 }
 
-/// The stop that limits the travel of a body from another on one side.
+/// The stop that limits a body's travel relative to another on one side.
 pub(super) fn stop(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<&Contact> {
     let mut stops: Vec<&Contact> = assembly
         .contacts

@@ -1,15 +1,15 @@
-//! Springs stay within the range of their law.
+//! Compression of springs at their stops against the limit of their law.
 
 use super::place::error;
 use crate::network::assembly::Assembly;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// Relative excess of the compression that counts as rounding.
+/// Relative excess of the compression attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// At no stop is a spring compressed beyond its limit.
-pub(super) fn stay_within_their_law(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
+/// Checks that no stop lets a spring be compressed beyond its limit.
+pub(super) fn check_range(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for spring in &assembly.springs {
         let Some(limit) = spring.limit else { continue };
         let stops = assembly

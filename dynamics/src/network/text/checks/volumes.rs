@@ -1,11 +1,11 @@
-//! Volumes can change and do not collapse.
+//! Checks that volumes can change and do not collapse.
 
 use super::place::{error, stop};
 use crate::network::assembly::{Assembly, Face, Push, Space, Start, Stop};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// Every volume has a passage or a face.
+/// Checks that every volume has a passage or a face.
 pub(super) fn are_reachable(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (index, volume) in assembly.volumes.iter().enumerate() {
         let space = Space::Volume(index);
@@ -21,7 +21,7 @@ pub(super) fn are_reachable(resolver: &Resolver<'_>, assembly: &Assembly) -> Res
     Ok(())
 }
 
-/// No volume shrinks to nothing with its bodies on their stops.
+/// Checks that no volume shrinks to nothing with its bodies at their stops.
 pub(super) fn do_not_collapse(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (index, volume) in assembly.volumes.iter().enumerate() {
         let mut least = volume.dead;
@@ -47,7 +47,7 @@ pub(super) fn do_not_collapse(resolver: &Resolver<'_>, assembly: &Assembly) -> R
     Ok(())
 }
 
-/// Travel of a face's body at which the volume is smallest: at the stop, or where the body starts without one \[m\].
+/// Travel of a face's body at which the volume is smallest: at the stop or, without one, at the body's start \[m\].
 fn smallest_at(assembly: &Assembly, face: &Face) -> f64 {
     let side = match face.push {
         Push::Down => Stop::Above,

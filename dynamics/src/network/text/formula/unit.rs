@@ -2,7 +2,7 @@
 
 use nailnoise_quantities::Dimension;
 
-/// Length in bytes of the unit at the start of `text`, blanks before it included; 0 if there is none.
+/// Length in bytes of the unit at the start of `text`, including leading blanks; 0 if there is none.
 ///
 /// A symbol followed by `.`, `(` or `_` is a name, not a unit. A quotient continues only with a unit, in brackets or
 /// not.

@@ -1,26 +1,26 @@
-//! Coplanar panels, and the walls that such a face adjoins.
+//! Groups coplanar panels into faces, and finds the walls that a face adjoins.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Largest difference between the normals of one plane, and largest distance of its points from it relative to the size
-/// of the body.
+/// Largest difference between normals of one plane, and largest distance of its points from the plane relative to the
+/// size of the body.
 const FLAT: f64 = 1e-6;
 
-/// A reflecting plane at right angles to a face: a point in it and its unit normal into the air.
+/// A reflecting plane perpendicular to a face: a point in it, and its unit normal into the air.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     pub(super) at: Vector3<f64>,
     pub(super) normal: Vector3<f64>,
 }
 
-/// Neighbouring panels in one plane.
+/// Adjacent panels in one plane.
 #[derive(Clone, Debug)]
 pub(super) struct Face {
     pub(super) panels: Vec<usize>,
-    /// Images in the mirror planes across which the face continues, itself first.
+    /// Images in the mirror planes across which the face continues, beginning with the face itself.
     pub(super) images: Vec<Image>,
     pub(super) wall: Option<Wall>,
 }
@@ -28,9 +28,9 @@ pub(super) struct Face {
 /// Normals and neighbours of panels.
 pub(super) struct CoplanarPanels<'a> {
     boundary: &'a Boundary,
-    /// Normal of every flat panel.
+    /// Normal of each flat panel.
     pub(super) normals: Vec<Option<Vector3<f64>>>,
-    /// Neighbours across edges: panel, and a point of the edge.
+    /// Neighbours across edges: the panel, and a point of the edge.
     beyond: Vec<Vec<(usize, Vector3<f64>)>>,
     size: f64,
 }
@@ -67,7 +67,7 @@ impl<'a> CoplanarPanels<'a> {
         }
     }
 
-    /// Panels that share a plane, group by group; a curved panel forms a separate group.
+    /// Groups of coplanar panels; each curved panel forms a separate group.
     pub(super) fn groups(&self) -> Vec<Vec<usize>> {
         let mut known = vec![false; self.normals.len()];
         let mut groups = Vec::new();
@@ -126,7 +126,7 @@ impl<'a> CoplanarPanels<'a> {
         }
     }
 
-    /// The perpendicular face that this one adjoins, if all of this one is on its outer side.
+    /// The perpendicular face that this one adjoins, if this face lies entirely on its outer side.
     fn wall(&self, panels: &[usize], normal: Vector3<f64>, across: [bool; 2]) -> Option<Wall> {
         let mesh = self.boundary.mesh();
         let centre = |p: usize| mesh.point_at(p, mesh.panels[p].kind().centre()).position.coords;

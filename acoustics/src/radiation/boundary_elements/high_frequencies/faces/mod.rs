@@ -1,4 +1,4 @@
-//! The flat faces of a body. Each radiates at high frequencies as if flush in a plane.
+//! The flat faces of a body. At high frequencies, each radiates as if flush with an infinite plane.
 
 mod coplanar;
 mod points;
@@ -15,18 +15,18 @@ use points::{Kernel, Points};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Flat faces of a boundary that are wide compared with the wavelength, and the panels that belong to none.
+/// Flat faces of a boundary that are large compared with the wavelength, and the remaining panels.
 ///
-/// A face radiates by Rayleigh's integral, as if flush in a plane. The rest of the body is ignored.
+/// A face radiates by Rayleigh's integral, as if flush with an infinite plane. The rest of the body is ignored.
 ///
 /// ```text
 /// R = rho0 c0 k^2/(2 pi) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab)/(k r_ab)
 /// ```
 ///
-/// It tends to the equivalent radiated power for k -> infinity. Unlike that power, it includes the ratio of the
-/// wavelength on the face to that in air. A perpendicular wall (the floor, or the larger face that this one adjoins)
-/// reflects: images of the points are summed. Different faces radiate independently. Panels outside all faces, for
-/// example curved ones, radiate the equivalent radiated power.
+/// It approaches the equivalent radiated power for k -> infinity. Unlike that power, it depends on the ratio of the
+/// wavelength on the face to that in air. A perpendicular wall (the floor, or a larger face that this one adjoins)
+/// reflects: the images of the points are added. Different faces radiate independently. Panels that belong to no face,
+/// for example curved ones, radiate the equivalent radiated power.
 #[derive(Clone, Debug)]
 pub(crate) struct Faces<'a> {
     boundary: &'a Boundary,
@@ -34,14 +34,14 @@ pub(crate) struct Faces<'a> {
     others: Vec<usize>,
 }
 
-/// Columns of a symmetric matrix that are evaluated before they are copied to its other triangle.
+/// Number of columns of a symmetric matrix that are evaluated before they are copied to the other triangle.
 const COLUMNS: usize = 16;
 
 /// Contribution of a face to each of its patches.
 type OfPatches = Vec<(usize, DMatrix<f64>)>;
 
 impl<'a> Faces<'a> {
-    /// Faces at least as large as the square of the wavelength \[m\].
+    /// Finds faces at least as large as the square of `wavelength` \[m\].
     pub(crate) fn new(boundary: &'a Boundary, wavelength: f64) -> Self {
         let sheets = CoplanarPanels::new(boundary);
         let (mut faces, mut others) = (Vec::new(), Vec::new());
@@ -61,12 +61,12 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no faces.
     pub(crate) fn is_empty(&self) -> bool {
         self.faces.is_empty()
     }
 
-    /// Resistance of every patch, averaged over each frequency range \[Hz\]; by parity, then by range.
+    /// Resistance of each patch, averaged over each frequency range \[Hz\]; by parity, then by range.
     pub(crate) fn resistances(
         &self,
         motions: &[Patterns],
@@ -108,7 +108,7 @@ impl<'a> Faces<'a> {
     fn of_face(&self, face: &Face, motions: &[Patterns], range: [f64; 2], air: &Air) -> Vec<OfPatches> {
         let kernel = Kernel::new(range, air, 2.0 * self.boundary.extents().norm());
         let points = Points::new(self.boundary, &face.panels, |edge| {
-            // Gauss's rule follows a wave once it has more points than half the wave's phase across the panel.
+            // Gauss's rule resolves a wave once it has more points than half the wave's phase change across the panel.
             1 + (0.5 * kernel.highest * edge).ceil().max(1.0) as usize
         });
         let n = points.at.len();
@@ -119,7 +119,8 @@ impl<'a> Faces<'a> {
                 let reflect = |wall: Wall| seen - 2.0 * (seen - wall.at).dot(&wall.normal) * wall.normal;
                 std::iter::once(seen).chain(face.wall.map(reflect)).collect::<Vec<_>>()
             };
-            // Two points see each other's images at the same distance: reflections in perpendicular planes commute.
+            // The matrix is symmetric, because the images of two points are equally far from the other point:
+            // reflections in perpendicular planes commute.
             let mut values = Mat::zeros(n, n);
             let mut sums = vec![0.0; n];
             for start in (0..n).step_by(COLUMNS) {
@@ -178,7 +179,7 @@ impl<'a> Faces<'a> {
         motions.iter().map(of_parity).collect()
     }
 
-    /// Equivalent radiated power of the panels outside all faces, by parity.
+    /// Equivalent radiated power of the panels that belong to no face, by parity.
     fn of_others(&self, motions: &[Patterns], air: &Air) -> Vec<OfPatches> {
         let points = Points::new(self.boundary, &self.others, |_| 3);
         let factor = self.boundary.copies() as f64 * air.impedance();
@@ -208,7 +209,7 @@ mod tests {
 
     const TOP: [f64; 2] = [0.5, 0.4];
 
-    /// A quarter of a box with `TOP` above and the height \[m\], its underside at 0; on a floor or free.
+    /// A quarter of a box with the top `TOP` and the given height \[m\], with its underside at 0; on a floor or free.
     fn quarter(height: f64, floor: Option<f64>) -> Boundary {
         let of_all = [SolidBox {
             low: [-0.5 * TOP[0], -0.5 * TOP[1], 0.0],
@@ -223,7 +224,7 @@ mod tests {
         Boundary::symmetric(mesh.unwrap(), [Some(0.0); 2], floor).unwrap()
     }
 
-    /// A plate's mode on top, and uniform motion of the faces along y that vanishes elsewhere.
+    /// A plate mode of the top, and uniform motion of the side faces along y.
     fn motion(boundary: &Boundary) -> Vec<Patterns> {
         let velocities = boundary.project(2, |panel, _, point, values| {
             let (x, normal) = (point.position, point.area_vector().normalize());
@@ -265,14 +266,14 @@ mod tests {
             modes,
         );
         let rayleigh = Rayleigh::new(&surface.unwrap(), &air).unwrap();
-        // Below and at coincidence (549 Hz) and above.
+        // Below, at (549 Hz) and above coincidence.
         for hz in [200.0, 549.0, 900.0, 2000.0, 4000.0] {
             let found = faces.resistances(&motion(&boundary), &[near(hz)], &air)[0][0][1][(0, 0)];
             let exact = rayleigh.resistance(hz)[0].real[(0, 0)];
             println!("{hz} Hz: {:+.2e}", found / exact - 1.0);
             assert!((found / exact - 1.0).abs() < 2e-3, "{hz} Hz: {found} {exact}");
         }
-        // sigma = (1 - kappa^2/k^2)^(-1/2) in the mean, where edges no longer matter.
+        // On average sigma = (1 - kappa^2/k^2)^(-1/2), at frequencies where edges no longer matter.
         let found = &faces.resistances(&motion(&boundary), &[[4000.0, 8000.0]], &air)[0][0][1];
         let plane_wave = air.impedance() * 0.25 * TOP[0] * TOP[1];
         let sigma = (1.0 - (549.0f64 / 5700.0).powi(2)).powf(-0.5);
@@ -308,7 +309,7 @@ mod tests {
         }
     }
 
-    /// A block on a slab: the block's sides adjoin the slab, whose faces adjoin none.
+    /// A block on a slab: the sides of the block adjoin the slab, whose own faces adjoin none.
     #[test]
     fn faces_are_found_with_their_walls() {
         let box_of = |[x, y]: [f64; 2], [low, high]: [f64; 2], part| SolidBox {
@@ -326,7 +327,7 @@ mod tests {
             .iter()
             .map(|f| (f.images.len(), f.wall.map(|w| w.normal.into())))
             .collect();
-        // Block: top, two sides on the slab's top; slab: top, underside, two sides.
+        // Block: top, and two sides on the slab's top; slab: top, underside, two sides.
         assert_eq!(found.iter().filter(|f| **f == (2, Some([0.0, 0.0, 1.0]))).count(), 2);
         assert_eq!(found.iter().filter(|f| **f == (4, None)).count(), 3);
         assert_eq!(found.iter().filter(|f| **f == (2, None)).count(), 2);

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// Frequencies over which a kernel is averaged.
+/// Number of frequencies over which a kernel is averaged.
 const AVERAGED: usize = 16;
 
 /// Step of a kernel's table over distance, in units of 1/k at the highest frequency.
@@ -18,17 +18,17 @@ const STEP: f64 = 0.05;
 /// Adding 1.5 x 2^52 rounds to the nearest integer, which is then in the lowest bits.
 const NEAREST: f64 = 6_755_399_441_055_744.0;
 
-/// Quadrature points of some panels.
+/// Quadrature points of a set of panels.
 pub(super) struct Points {
     pub(super) at: Vec<Vector3<f64>>,
     pub(super) weights: Vec<f64>,
     pub(super) patch: Vec<usize>,
-    /// First velocity value of the point's panel, and the corner functions there.
+    /// Index of the first velocity value of the point's panel, and the corner functions there.
     shapes: Vec<(usize, Vec<f64>)>,
 }
 
 impl Points {
-    /// Quadrature points of `panels`; `order` gives the number of points along a side from the length of the longest
+    /// Quadrature points of `panels`; `order` returns the number of points per side, given the length of the longest
     /// side \[m\].
     pub(super) fn new(boundary: &Boundary, panels: &[usize], order: impl Fn(f64) -> usize) -> Self {
         let mesh = boundary.mesh();
@@ -64,7 +64,7 @@ impl Points {
         points
     }
 
-    /// Their patches, each once.
+    /// Their patches, without duplicates.
     pub(super) fn patches(&self) -> Vec<usize> {
         let mut patches = self.patch.clone();
         patches.sort_unstable();
@@ -95,7 +95,7 @@ impl Points {
     }
 }
 
-/// The mean of k² sin(kr)/(kr) over a range of frequencies, evenly in their logarithm, tabulated over distance.
+/// The mean of k² sin(kr)/(kr) over a range of frequencies, uniform in their logarithm, tabulated over distance.
 pub(super) struct Kernel {
     /// The largest wavenumber \[1/m\].
     pub(super) highest: f64,
@@ -125,8 +125,8 @@ impl Kernel {
         }
     }
 
-    /// Sets `sums` to the kernel between some places and each of the points with the coordinates `points`, summed over
-    /// the places.
+    /// Sets `sums` to the kernel between some places and each of the points with coordinates `points`, summed over the
+    /// places.
     pub(super) fn between(&self, places: &[Vector3<f64>], points: [&[f64]; 3], sums: &mut [f64]) {
         sums.fill(0.0);
         let mut steps = vec![0.0; sums.len()];
@@ -142,8 +142,8 @@ impl Kernel {
     }
 }
 
-/// Adds the kernel between a place and each point to `sums`; `steps` is work space for the distances over the step of
-/// the table.
+/// Adds the kernel between one place and each point to `sums`; `steps` is workspace for the distances in units of the
+/// table step.
 struct FromPlace<'a> {
     kernel: &'a Kernel,
     place: &'a Vector3<f64>,
@@ -155,7 +155,7 @@ struct FromPlace<'a> {
 impl WithSimd for FromPlace<'_> {
     type Output = ();
 
-    /// Loops over slices become vectors of the largest width.
+    /// Loops over slices are vectorised at the full vector width.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let ([x, y, z], from) = (self.points, self.place);

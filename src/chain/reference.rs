@@ -1,4 +1,4 @@
-//! Radiation by shape: the matrix that boundary elements solve for standard bodies, carried over to the design's.
+//! Projection on reference structures: their radiation matrix, solved by boundary elements, serves other bodies.
 
 use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures};
 use nailnoise_meshes::gmsh;
@@ -9,23 +9,24 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::radiation::{
-    MatrixWithMicrophones, Places, PressureAtMicrophones, PressureOnSurface, RadiatingShape, RadiationMatrix, ShapeFit,
-    ShapeMatrix, ShapePressures, Solution, Standard, SurfaceModes, ToolCapSolution, ToolSolution, WorkpieceSolution,
+    MatrixWithMicrophones, Places, PressureAtMicrophones, PressureOnSurface, ProjectedMatrix, ProjectedPressures,
+    RadiatingShape, RadiationMatrix, ReferenceProjection, ReferenceResult, Solution, SurfaceModes, ToolCapSolution,
+    ToolSolution, WorkpieceSolution,
 };
 use crate::stages::{Digest, OnDemand, Stored};
 
 /// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
-/// and standard bodies need no modes.
+/// and reference bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
-    /// Of the workpiece with its table.
+    /// Shape of the workpiece with its table.
     pub workpiece: bool,
-    /// Of the tool.
+    /// Shape of the tool.
     pub tool: bool,
 }
 
 impl Default for SharedShapes {
-    /// All.
+    /// All shapes are shared.
     fn default() -> Self {
         Self {
             workpiece: true,
@@ -38,13 +39,13 @@ impl SharedShapes {
     /// Shapes that two designs have in common.
     ///
     /// # Errors
-    /// Those of the bodies' materials and mesh files.
+    /// Errors in the bodies' materials and mesh files.
     pub(crate) fn of(graph: &Graph, design: &Design, other: &Design) -> Result<Self, Error> {
         let alike = |is_tool: bool| -> Result<bool, Error> {
             let keys = |design: &Design| {
                 let kinds = solved_bodies(design).into_iter();
                 let kinds: Vec<BodyKind> = kinds.filter(|kind| (*kind == BodyKind::Tool) == is_tool).collect();
-                let bodies = standard_bodies(graph, design, &kinds)?;
+                let bodies = reference_bodies(graph, design, &kinds)?;
                 Ok::<_, Error>(bodies.map(|bodies| bodies.iter().map(|body| *body.key()).collect::<Vec<Digest>>()))
             };
             Ok(keys(design)? == keys(other)?)
@@ -56,11 +57,11 @@ impl SharedShapes {
     }
 }
 
-/// The first standard bodies in the shape of a design's; none if these have no standard.
-fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
-    let standards = inputs::shape::standards(design, kinds)?;
-    standards
-        .map(|standards| bodies(graph, &standards.first, kinds))
+/// The first reference bodies in the shape of a design's; none if these have no standard.
+fn reference_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
+    let references = inputs::reference_structures::references(design, kinds)?;
+    references
+        .map(|references| bodies(graph, &references.first, kinds))
         .transpose()
 }
 
@@ -73,29 +74,32 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
 }
 
 /// Structures whose modes may represent the motion of a design's bodies, in the order of trial, with their names.
-pub(super) type Standards = Vec<(SurfaceModes, &'static str)>;
+pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 
-/// Standard structures in the shape of a design's tool, or of its workpiece and table; none if these have no standard.
+/// ReferenceResult structures in the shape of a design's tool, or of its workpiece and table; none if these have no
+/// standard.
 ///
 /// # Errors
 /// Those of the bodies' materials and mesh files.
-pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Standards, Error> {
-    let Some(standards) = inputs::shape::standards(design, kinds)? else {
+pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<ReferenceStructures, Error> {
+    let Some(references) = inputs::reference_structures::references(design, kinds)? else {
         return Ok(Vec::new());
     };
     let structure = |design: &Design| bodies(graph, design, kinds);
-    let first = structure(&standards.first)?;
-    let alone = (SurfaceModes(vec![first.clone()]), "standard bodies of the same shape");
+    let first = structure(&references.first)?;
+    let alone = (SurfaceModes(vec![first.clone()]), "reference bodies of the same shape");
     // Without gmsh, a design whose own meshes need none does without the second structure.
-    let second = match &standards.second {
-        Some(second) if gmsh::is_found() || !inputs::shape::needs_gmsh(second, kinds)? => structure(second)?,
+    let second = match &references.second {
+        Some(second) if gmsh::is_found() || !inputs::reference_structures::needs_gmsh(second, kinds)? => {
+            structure(second)?
+        }
         _ => return Ok(vec![alone]),
     };
     let both = (
         SurfaceModes(vec![first, second]),
-        "two standard structures of the same shape",
+        "two reference structures of the same shape",
     );
-    Ok(match kinds == [BodyKind::Tool] && standards.walls_differ() {
+    Ok(match kinds == [BodyKind::Tool] && references.walls_differ() {
         true => vec![both],
         false => vec![alone, both],
     })
@@ -105,12 +109,12 @@ pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> R
 pub(super) struct Radiation {
     /// Powers.
     pub(super) matrix: Stored<ModalBem>,
-    /// Pressures at the microphones in the same modes.
+    /// Pressures at the microphones for the same modes.
     pub(super) pressures: Stored<ModalPressures>,
 }
 
 impl Radiation {
-    /// Powers with the pressures at the microphones.
+    /// Combines powers and pressures at the microphones.
     pub(super) fn at_microphones(&self, graph: &Graph) -> Stored<ModalBem> {
         graph.add(MatrixWithMicrophones {
             matrix: self.matrix.clone(),
@@ -119,34 +123,34 @@ impl Radiation {
     }
 }
 
-/// The radiation of bodies from that of standard bodies of their shape.
-pub(super) fn by_shape(
+/// The radiation of bodies from that of reference bodies of their shape.
+pub(super) fn from_references(
     graph: &Graph,
     shape: &RadiatingShape,
     places: &Places,
-    standards: &Standards,
+    references: &ReferenceStructures,
     bodies: &[Stored<Body>],
 ) -> Radiation {
     let own = solved(graph, shape, places, SurfaceModes(vec![bodies.to_vec()]));
     let (mut powers, mut pressures) = (Vec::new(), Vec::new());
-    for (standard, name) in standards {
+    for (standard, name) in references {
         let limit = shape.limit(standard.0.len());
         let of_standard = solved(graph, shape, places, standard.clone());
         if of_standard.matrix.key() == own.matrix.key() && powers.is_empty() {
             return own;
         }
-        let fit = graph.add(ShapeFit {
+        let fit = graph.add(ReferenceProjection {
             shape: shape.clone(),
             standard: standard.clone(),
             bodies: bodies.to_vec(),
         });
-        powers.push(Standard {
+        powers.push(ReferenceResult {
             fit: fit.clone(),
             known: of_standard.matrix,
             name,
             limit,
         });
-        pressures.push(Standard {
+        pressures.push(ReferenceResult {
             fit,
             known: of_standard.pressures,
             name,
@@ -157,12 +161,12 @@ pub(super) fn by_shape(
         return own;
     }
     Radiation {
-        matrix: graph.add(ShapeMatrix {
-            standards: OnDemand(powers),
+        matrix: graph.add(ProjectedMatrix {
+            references: OnDemand(powers),
             own: OnDemand(own.matrix),
         }),
-        pressures: graph.add(ShapePressures {
-            standards: OnDemand(pressures),
+        pressures: graph.add(ProjectedPressures {
+            references: OnDemand(pressures),
             own: OnDemand(own.pressures),
         }),
     }
@@ -224,7 +228,7 @@ mod tests {
             panic!("boundary elements")
         };
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let standard = standard_bodies(&graph, design, &kinds).unwrap().unwrap();
+        let standard = reference_bodies(&graph, design, &kinds).unwrap().unwrap();
         let own = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
         [standard, own.to_vec()].map(|bodies| {
             let shape = RadiatingShape::Workpiece(elements.clone());
@@ -295,9 +299,9 @@ mod tests {
         assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
     }
 
-    /// Whether each of the standards represents the motion of a design's workpiece and table. Also the largest
-    /// difference in power \[dB\] between the radiation by shape and boundary elements with the design's modes, under a
-    /// force of 1 N at the nail's head and 1 N on the middle of the table.
+    /// Whether each of the references represents the motion of a design's workpiece and table. Also the largest
+    /// difference in power \[dB\] between the radiation from reference structures and boundary elements with the
+    /// design's modes, under a force of 1 N at the nail's head and 1 N on the middle of the table.
     fn carried_over(design: &Design) -> (Vec<bool>, f64) {
         let graph = Graph::default();
         let air = inputs::air(design).unwrap();
@@ -310,11 +314,11 @@ mod tests {
             shared: SharedShapes::default(),
         };
         let radiation = workpiece_radiation(context, &bodies).unwrap();
-        let FieldMethod::BoundaryElements(elements, by_shape) = radiation.field else {
+        let FieldMethod::BoundaryElements(elements, from_references) = radiation.field else {
             panic!("boundary elements")
         };
         let holds = |(standard, name): (SurfaceModes, &str)| {
-            let fitted = ShapeFit {
+            let fitted = ReferenceProjection {
                 shape: RadiatingShape::Workpiece(elements.clone()),
                 standard,
                 bodies: bodies.to_vec(),
@@ -323,7 +327,7 @@ mod tests {
             println!("{name} lack at most {:.1e}", fitted.worst());
             fitted.holds()
         };
-        let held = standards(&graph, design, &kinds)
+        let held = references(&graph, design, &kinds)
             .unwrap()
             .into_iter()
             .map(holds)
@@ -331,7 +335,7 @@ mod tests {
         let modes = SurfaceModes(vec![bodies.to_vec()]);
         let shape = RadiatingShape::Workpiece(elements);
         let own = solved(&graph, &shape, &inputs::radiation::workpiece_places(design), modes).matrix;
-        let (by_shape, own) = (by_shape.get().unwrap(), own.get().unwrap());
+        let (from_references, own) = (from_references.get().unwrap(), own.get().unwrap());
         let mut largest: f64 = 0.0;
         for hz in [60.0f64, 130.0, 240.0, 390.0] {
             let mut power = [0.0; 2];
@@ -347,7 +351,7 @@ mod tests {
                         amplitudes.push(if number == first_body { response } else { 0.0 });
                     }
                 }
-                for (power, matrix) in power.iter_mut().zip([&by_shape, &own]) {
+                for (power, matrix) in power.iter_mut().zip([&from_references, &own]) {
                     let resistance = ModalRadiation::resistance(&**matrix, hz).real;
                     let v = DVector::from_column_slice(&amplitudes);
                     *power += v.dot(&(resistance * &v));
@@ -398,8 +402,8 @@ mod tests {
     fn two_structures_of_the_tool_are_solved_together_where_walls_can_differ() {
         let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
         let walls_differ = |design: &Design| {
-            let standards = inputs::shape::standards(design, &[BodyKind::Tool]).unwrap();
-            standards.unwrap().walls_differ()
+            let references = inputs::reference_structures::references(design, &[BodyKind::Tool]).unwrap();
+            references.unwrap().walls_differ()
         };
         assert!(walls_differ(&base));
         let mut other = base.clone();
@@ -410,7 +414,7 @@ mod tests {
         assert!(!walls_differ(&slab("walls")));
     }
 
-    /// The surfaces of the tool for boundary elements: with and without a separate cap.
+    /// The surfaces of the tool used by boundary elements: with and without a separate cap.
     fn tool_shapes(design: &Design) -> [RadiatingShape; 2] {
         let elements = inputs::radiation::tool(design).unwrap();
         let mut wrapped = design.clone();
@@ -425,7 +429,7 @@ mod tests {
     /// Keys of the boundary-element solutions of the tool, and of the matrices of its modes.
     fn solved_keys_of_tool(design: &Design) -> [[Digest; 2]; 2] {
         let graph = Graph::default();
-        let standard = standard_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
+        let standard = reference_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
         let own = BodyStages::add(&graph, design, BodyKind::Tool, true).unwrap().body;
         [standard, vec![own]]
             .map(|bodies| SurfaceModes(vec![bodies]))
@@ -449,7 +453,7 @@ mod tests {
             |design: &mut Design| design.body.cap_wall *= 1.1,
             |design: &mut Design| design.body.nose_wall *= 0.9,
             |design: &mut Design| {
-                // The gap takes up the change of the wall.
+                // The gap compensates for the change of the wall.
                 design.body.barrel_wall += 1e-4;
                 design.body.sleeve_gap -= 1e-4;
             },
@@ -476,8 +480,8 @@ mod tests {
         }
     }
 
-    /// A slab as the housing, with the surfaces that carry the forces of a tool; its modes begin at some 700 Hz. Its
-    /// file has the name of the test, because tests run side by side.
+    /// A slab as housing, with the surfaces on which the forces of a tool act; its modes start at about 700 Hz. Its
+    /// file is named after the test, because tests run in parallel.
     fn slab(name: &str) -> Design {
         const SIZE: [f64; 3] = [0.1, 0.012, 0.3];
         let mut mesh = block(&Block {
@@ -533,13 +537,15 @@ mod tests {
         design
     }
 
-    /// Fourier transforms of the modal accelerations under 1 N at a load, at all frequencies alike \[m/s\].
+    /// Fourier transforms of the modal accelerations due to a force of 1 N at one load, the same at all frequencies
+    /// \[m/s\].
     fn driven(body: &Body, load: usize, to_hz: f64) -> ModalSpectra {
         let frequency: Vec<f64> = (0..=(to_hz / 5.0) as usize).map(|bin| 5.0 * bin as f64).collect();
         let column = body.loads.column(load);
         let accelerations = DMatrix::from_fn(body.omega.len(), frequency.len(), |mode, bin| {
             let (square, driven) = (body.omega[mode].powi(2), (TAU * frequency[bin]).powi(2));
-            // The stiffness of static corrections and of modes has the loss factor 0.02; rigid modes retain 1/m.
+            // Static corrections and modes have stiffness with a loss factor of 0.02; rigid modes are purely inertial,
+            // 1/m.
             let response = Complex::new(square - driven, 0.02 * square);
             if bin == 0 {
                 Complex::default()
@@ -554,8 +560,8 @@ mod tests {
         }
     }
 
-    /// Radiation and pressures carried over from the standard housing, which has no lumped mass, against boundary
-    /// elements with the design's modes: a mass of 0.3 kg, most of it at the nose, another modulus, Poisson's ratio and
+    /// Radiation and pressures derived from the standard housing without lumped mass, compared with boundary elements
+    /// for the design's modes: a mass of 0.3 kg, mostly at the nose, and a different modulus, Poisson's ratio and
     /// density.
     #[test]
     fn another_tool_mass_and_alloy_radiate_as_by_boundary_elements_of_their_own() {
@@ -566,7 +572,7 @@ mod tests {
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.6, 0.0);
         design.tool.mass = 2500.0 * 0.1 * 0.012 * 0.3 + 0.3;
         let graph = Graph::default();
-        let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let references = references(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let body = bodies[0].get().unwrap();
         assert!(
@@ -576,15 +582,15 @@ mod tests {
                 .count()
                 > 0
         );
-        // Rings of the bore off the slab move nothing.
+        // Rings of the bore outside the slab do not load it.
         let loads: Vec<usize> = (0..body.loads.ncols())
             .filter(|&load| body.loads.column(load).norm() > 0.0)
             .collect();
         assert!(loads.len() > 10);
         for shape in tool_shapes(&design) {
-            let fitted = graph.get(ShapeFit {
+            let fitted = graph.get(ReferenceProjection {
                 shape: shape.clone(),
-                standard: standards[0].0.clone(),
+                standard: references[0].0.clone(),
                 bodies: bodies.clone(),
             });
             let fitted = fitted.unwrap();
@@ -592,8 +598,8 @@ mod tests {
             assert!(fitted.worst() < 2e-4, "{:?}", fitted.lacking);
             let at = (&shape, &inputs::radiation::tool_places(&design));
             let own = solved(&graph, at.0, at.1, SurfaceModes(vec![bodies.clone()]));
-            let by_shape = by_shape(&graph, at.0, at.1, &standards, &bodies);
-            let both = [by_shape, own].map(|radiation| radiation.at_microphones(&graph).get().unwrap());
+            let from_references = from_references(&graph, at.0, at.1, &references, &bodies);
+            let both = [from_references, own].map(|radiation| radiation.at_microphones(&graph).get().unwrap());
             for &load in &loads {
                 let spectra = match shape {
                     RadiatingShape::Cap(..) => {
@@ -631,18 +637,18 @@ mod tests {
     #[test]
     fn where_the_standard_tool_lacks_motion_the_modes_of_the_tool_are_solved() {
         let mut design = slab("own");
-        // Few modes of the standard, and a mass at the nose as large as the slab's.
+        // Few modes of the standard, and a mass at the nose equal to the slab's.
         design.analysis.body_max_frequency = 2000.0;
         design.body.housing.poisson_ratio = 0.25;
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);
         design.tool.mass = 1810.0 * 0.1 * 0.012 * 0.3 + 1.0;
         let graph = Graph::default();
-        let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let references = references(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let [shape, _] = tool_shapes(&design);
-        assert_eq!(standards.len(), 2);
-        for (standard, _) in &standards {
-            let fitted = graph.get(ShapeFit {
+        assert_eq!(references.len(), 2);
+        for (standard, _) in &references {
+            let fitted = graph.get(ReferenceProjection {
                 shape: shape.clone(),
                 standard: standard.clone(),
                 bodies: bodies.clone(),
@@ -660,9 +666,12 @@ mod tests {
             .matrix
             .get()
             .unwrap();
-        let by_shape = by_shape(&graph, at.0, at.1, &standards, &bodies).matrix.get().unwrap();
+        let from_references = from_references(&graph, at.0, at.1, &references, &bodies)
+            .matrix
+            .get()
+            .unwrap();
         for hz in [100.0, 800.0, 1400.0] {
-            assert_eq!(by_shape.resistance(hz).real, own.resistance(hz).real);
+            assert_eq!(from_references.resistance(hz).real, own.resistance(hz).real);
         }
     }
 }

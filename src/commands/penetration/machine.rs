@@ -21,7 +21,7 @@ use crate::penetration::machine::machine as read_machine;
 use crate::penetration::read_bytes;
 use nailnoise_documents::tables::{Table, TableFault, number};
 
-/// Largest residual of the energy, as a part of the projectile's.
+/// Largest residual of the energy balance, relative to the projectile's energy.
 const BALANCE: f64 = 1e-8;
 
 #[derive(Args)]
@@ -55,7 +55,7 @@ struct MachineResult {
     schema: &'static str,
     launch: Option<Launched>,
     shots: Vec<Drive>,
-    /// Drives written with noise.
+    /// Number of drives written with noise.
     drives: usize,
     warnings: Vec<String>,
     file: String,
@@ -135,7 +135,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::SUCCESS)
 }
 
-/// Masses \[kg\] and speeds of impact \[m/s\] of a plan; rows without a speed of impact are left out.
+/// Masses \[kg\] and impact speeds \[m/s\] of a plan; rows without an impact speed are omitted.
 fn conditions(path: &Path) -> Result<Vec<(f64, f64)>, PenetrationError> {
     let data = |line: usize, problem: String| PenetrationError::Data {
         path: path.to_owned(),
@@ -175,7 +175,7 @@ fn conditions(path: &Path) -> Result<Vec<(f64, f64)>, PenetrationError> {
     Ok(found)
 }
 
-/// Writes the recording of one virtual test; returns its row.
+/// Writes the recording of one virtual test; returns its row in the table.
 fn virtual_test(
     machine: &Machine,
     fit: Option<&FittedLaw>,

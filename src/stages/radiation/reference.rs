@@ -1,11 +1,11 @@
-//! Radiation stored by shape: the matrix of standard bodies, carried over to other bodies with the same outer surface.
+//! Radiation carried over from reference structures to other bodies with the same outer surface.
 //!
-//! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and
-//! fixed materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]),
-//! and the matrix follows by products ([`ShapeMatrix`]), the pressure at the microphones likewise ([`ShapePressures`]).
-//! Thus a body with another material, loss factor, nail or nail position needs no boundary elements, as long as the fit
-//! represents its motion. Otherwise the modes of further standard bodies are added. If these do not represent it
-//! either, the matrix is solved for the body's modes.
+//! The radiation matrix is solved for the modes of reference bodies, which have the shape of the design's bodies and
+//! fixed materials. The velocities of the design's own modes are fitted by theirs on the finest mesh
+//! ([`ReferenceProjection`]), and the matrix follows by products ([`ProjectedMatrix`]), the pressure at the microphones
+//! likewise ([`ProjectedPressures`]). Thus a body with another material, loss factor, nail or nail position needs no
+//! boundary elements, as long as the fit represents its motion. Otherwise the modes of further reference bodies are
+//! added. If these do not represent it either, the matrix is solved for the body's modes.
 
 use std::f64::consts::TAU;
 
@@ -19,47 +19,48 @@ use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// Largest share of a surface's energy of motion under any load that the known modes of workpiece and table may miss.
-/// Beyond it others are added, or the matrix is solved for the body's modes.
+/// Maximum fraction of a surface's kinetic energy under any load that the known modes of workpiece and table may miss.
+/// Above it, others are added, or the matrix is solved for the body's own modes.
 const LIMIT: f64 = 1e-3;
 
-/// The same for a single structure of a tool. With walls where one missed 1.4e-4 and 3.6e-4, levels of the tool
-/// differed by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the damping by radiation is that of
-/// the fit). With two, which missed 2.3e-5 and 1.7e-5, they differed by 0.004 and 0.008 dB. Alloys and masses where one
-/// missed at most 1.2e-5 differed by 0.003 dB.
+/// The same for a tool with one standard structure. With walls for which one structure missed 1.4e-4 and 3.6e-4, levels
+/// of the tool differed by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the fit determines the
+/// radiation damping). With two structures, which missed 2.3e-5 and 1.7e-5, they differed by 0.004 and 0.008 dB. For
+/// alloys and masses for which one structure missed at most 1.2e-5, they differed by 0.003 dB.
 const LIMIT_OF_FIRST_TOOL: f64 = 5e-5;
 
-/// The same for two structures of a tool. Walls where they missed 3.6e-4, 4.2e-4 and 5.6e-4 gave levels that differed
-/// by up to 0.006, 0.016 and 0.034 dB.
+/// The same for a tool with two standard structures. For walls for which they missed 3.6e-4, 4.2e-4 and 5.6e-4, levels
+/// differed by up to 0.006, 0.016 and 0.034 dB.
 const LIMIT_OF_BOTH_TOOLS: f64 = 5e-4;
 
-/// Loss factor with which responses to loads are compared: near resonances the modes count as much as they do in wood.
+/// Loss factor for comparing responses to loads; near resonances, the modes have the same weight as in wood.
 const LOSS_FACTOR: f64 = 0.02;
 
-/// Frequencies an octave at which they are compared, from the lowest on \[Hz\].
+/// Number of frequencies per octave at which they are compared.
 const PER_OCTAVE: f64 = 6.0;
 const LOWEST_HZ: f64 = 50.0;
 
-/// How well modes of standard bodies represent the motion of the design's bodies.
+/// How well modes of reference bodies represent the motion of the design's bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Fitted {
+pub struct Projection {
     /// The fit; none if the surfaces differ.
     pub fit: Option<SurfaceFit>,
-    /// Frequency \[Hz\] and share of the energy of the surface's motion that the known modes miss \[-\], root mean
-    /// square over the loads.
+    /// Frequency \[Hz\] and fraction of the energy of the surface's motion that the known modes miss \[-\], RMS over
+    /// the loads.
     pub lacking: Vec<[f64; 2]>,
 }
 
-impl Fitted {
+impl Projection {
     /// Largest share of the energy that the known modes miss \[-\].
     pub fn worst(&self) -> f64 {
         self.lacking.iter().map(|[_, share]| *share).fold(0.0, f64::max)
     }
 
-    /// Whether the modes of standard bodies of workpiece and table represent the motion well enough.
+    /// Whether the modes of reference bodies of workpiece and table represent the motion well enough.
     pub fn holds(&self) -> bool {
         self.within(LIMIT)
     }
@@ -76,7 +77,7 @@ pub enum RadiatingShape {
     Workpiece(WorkpieceBoundaryElements),
     /// The tool's housing.
     Tool(ToolRadiation),
-    /// The tool's housing in the motion of each mode, followed by only its cap in that motion.
+    /// The tool's housing for each mode, followed by its cap alone moving in that mode.
     Cap(ToolRadiation, CapSurface),
 }
 
@@ -92,16 +93,16 @@ impl RadiatingShape {
     }
 
     /// The meshes that are solved, with the velocities of all modes, in standard air.
-    pub(super) fn levels(&self, surfaces: &[MovingSurface<'_>]) -> Result<Vec<MeshRange>, Error> {
+    pub(super) fn mesh_hierarchy(&self, surfaces: &[MovingSurface<'_>]) -> Result<Vec<MeshRange>, Error> {
         let air = Air::default();
         match self {
-            Self::Workpiece(elements) => elements.levels(surfaces, &air),
-            Self::Tool(elements) => elements.levels(surfaces, None, &air),
-            Self::Cap(elements, cap) => elements.levels(surfaces, Some(cap), &air),
+            Self::Workpiece(elements) => elements.mesh_hierarchy(surfaces, &air),
+            Self::Tool(elements) => elements.mesh_hierarchy(surfaces, None, &air),
+            Self::Cap(elements, cap) => elements.mesh_hierarchy(surfaces, Some(cap), &air),
         }
     }
 
-    /// Largest share of the energy that the modes of some standard structures may miss.
+    /// Largest share of the energy that the modes of some reference structures may miss.
     pub(crate) fn limit(&self, structures: usize) -> f64 {
         match self {
             Self::Workpiece(_) => LIMIT,
@@ -118,25 +119,25 @@ impl RadiatingShape {
     }
 }
 
-/// Fits the modes of the design's bodies by those of standard bodies of the same shape.
+/// Fits the modes of the design's bodies by those of reference bodies of the same shape.
 #[derive(Serialize)]
-pub struct ShapeFit {
+pub struct ReferenceProjection {
     /// The surface.
     pub shape: RadiatingShape,
-    /// The modes of standard bodies.
+    /// The modes of reference bodies.
     pub standard: SurfaceModes,
     /// The design's bodies.
     pub bodies: Vec<Stored<Body>>,
 }
 
-impl Stage for ShapeFit {
-    type Output = Fitted;
+impl Stage for ReferenceProjection {
+    type Output = Projection;
     type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "fit of surface velocities";
     const CODE: Code = CODE;
 
-    fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
+    fn compute(&self, _: &Progress) -> Result<Projection, Error> {
         let (standard, bodies) = (self.standard.get()?, all(&self.bodies)?);
         let own: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
         let (known, own) = rayon::join(|| self.shape.finest(&standard.surfaces()), || self.shape.finest(&own));
@@ -144,16 +145,16 @@ impl Stage for ShapeFit {
         let fit = both.and_then(|(known, own)| SurfaceFit::new(&known, &own));
         let bodies: Vec<&Body> = bodies.iter().map(|body| &**body).collect();
         let lacking = fit.as_ref().map(|fit| lacking(fit, &bodies, self.shape.top_hz()));
-        Ok(Fitted {
+        Ok(Projection {
             lacking: lacking.unwrap_or_default(),
             fit,
         })
     }
 }
 
-/// The share of the energy of the surface's motion that a fit misses, by frequency. Each body moves independently under
-/// a force of one newton at each of its loads and supports; the energies under all are summed before they are divided.
-/// The worst body counts.
+/// The fraction of the energy of the surface's motion that a fit misses, for each frequency. Each body moves
+/// independently under a force of one newton at each of its loads and supports; the energies under all are summed
+/// before they are divided. The result is that of the worst body.
 fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     let modes: usize = bodies.iter().map(|body| body.omega.len()).sum();
     let places = (0..fit.modes() / modes.max(1)).flat_map(|part| {
@@ -186,44 +187,44 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     (0..=count).map(at).collect()
 }
 
-/// Known results of standard bodies in the shape of a design's.
+/// Known results of reference bodies in the shape of a design's.
 #[derive(Serialize)]
 #[serde(bound = "T: Send + Sync + 'static")]
-pub struct Standard<T> {
+pub struct ReferenceResult<T> {
     /// How well their modes represent those of the design's bodies.
-    pub fit: Stored<Fitted>,
+    pub fit: Stored<Projection>,
     /// The known results of their modes; read only if the fit is good enough.
     pub known: Stored<T>,
-    /// Description of the bodies, in words.
+    /// Description of the bodies.
     pub name: &'static str,
-    /// Largest share of the energy that their modes may miss.
+    /// Maximum fraction of the energy that their modes may miss.
     pub limit: f64,
 }
 
-/// The radiation matrix of the design's bodies. It is carried over from the first standard bodies that represent their
+/// The radiation matrix of the design's bodies. It is carried over from the first reference bodies that represent their
 /// motion; if none do, it is solved for the design's modes.
 #[derive(Serialize)]
-pub struct ShapeMatrix {
-    /// Standard bodies, in the order of trial.
-    pub standards: OnDemand<Vec<Standard<ModalBem>>>,
+pub struct ProjectedMatrix {
+    /// Reference bodies, in the order of trial.
+    pub references: OnDemand<Vec<ReferenceResult<ModalBem>>>,
     /// The matrix of the design's modes; read only if no fit is good enough.
     pub own: OnDemand<Stored<ModalBem>>,
 }
 
-impl Stage for ShapeMatrix {
+impl Stage for ProjectedMatrix {
     type Output = ModalBem;
     type Error = Error;
     type Codec = Uncached;
-    const NAME: &'static str = "radiation by shape";
+    const NAME: &'static str = "radiation from reference structures";
     const CODE: Code = CODE;
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        for Standard {
+        for ReferenceResult {
             fit,
             known,
             name,
             limit,
-        } in self.standards.iter()
+        } in self.references.iter()
         {
             let fitted = fit.get()?;
             let Some(combinations) = &fitted.fit else {
@@ -240,33 +241,36 @@ impl Stage for ShapeMatrix {
             progress.note(&format!(
                 "radiation: taken from {name}, whose modes miss at most {lack}"
             ));
-            return known.get()?.of_modes(combinations).ok_or(Error::OtherModes {
-                body: "standard bodies",
-            });
+            return known.get()?.of_modes(combinations).ok_or(
+                BodyError::OtherModes {
+                    body: "reference bodies",
+                }
+                .into(),
+            );
         }
         progress.note("radiation: boundary elements solved for the design's own modes");
         Ok(ModalBem::clone(&*self.own.get()?))
     }
 }
 
-/// The pressures at the microphones in the modes whose radiation [`ShapeMatrix`] uses.
+/// The pressures at the microphones in the modes whose radiation [`ProjectedMatrix`] uses.
 #[derive(Serialize)]
-pub struct ShapePressures {
-    /// As in [`ShapeMatrix`].
-    pub standards: OnDemand<Vec<Standard<ModalPressures>>>,
+pub struct ProjectedPressures {
+    /// As in [`ProjectedMatrix`].
+    pub references: OnDemand<Vec<ReferenceResult<ModalPressures>>>,
     /// The pressures of the design's modes; read only if no fit is good enough.
     pub own: OnDemand<Stored<ModalPressures>>,
 }
 
-impl Stage for ShapePressures {
+impl Stage for ProjectedPressures {
     type Output = ModalPressures;
     type Error = Error;
     type Codec = Uncached;
-    const NAME: &'static str = "pressure by shape";
+    const NAME: &'static str = "pressure from reference structures";
     const CODE: Code = CODE;
 
     fn compute(&self, _: &Progress) -> Result<ModalPressures, Error> {
-        for Standard { fit, known, limit, .. } in self.standards.iter() {
+        for ReferenceResult { fit, known, limit, .. } in self.references.iter() {
             if fit.get()?.within(*limit) {
                 return Ok(ModalPressures::clone(&*known.get()?));
             }

@@ -22,7 +22,8 @@ use crate::tables::{dash, fixed};
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 
-/// Constant forces \[N\], far beyond what a nail bears; the curve refuses those below zero with a message of its own.
+/// Limits of constant forces \[N\], far beyond what a nail can bear; negative ones are rejected with a separate message
+/// by the curve.
 const FORCES: [f64; 2] = [-1e6, 1e6];
 
 #[derive(Args)]
@@ -80,7 +81,7 @@ struct CurveResult {
     law: String,
     nail: &'static str,
     length: f64,
-    /// For published laws only, as are all fields below.
+    /// Only for published laws, like all fields below.
     wood: Option<&'static str>,
     hardness_modulus: Option<f64>,
     density: Option<f64>,
@@ -124,7 +125,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(Status::SUCCESS)
 }
 
-/// Every law for every nail, the published ones in every wood.
+/// Every law for every nail; the published ones also in every wood.
 fn resistances(arguments: &Arguments) -> Result<Vec<PenetrationCurve>, PenetrationError> {
     let speed = arguments.speed.unwrap_or(REFERENCE_SPEED);
     let nails: Vec<_> = arguments
@@ -160,10 +161,10 @@ fn wood_name(law: &PenetrationCurve) -> &str {
     law.wood().map_or("", |wood| wood.name)
 }
 
-/// Names of the curves: the properties that differ between them.
+/// Names of the curves, composed of the properties that differ between them.
 fn labels(laws: &[PenetrationCurve]) -> Vec<String> {
     let parts: [fn(&PenetrationCurve) -> &str; 3] = [|law| &law.name, |law| law.nail.name, wood_name];
-    // A law that is of no wood does not make the woods differ.
+    // A law without a wood does not count as a difference.
     let differ = |name: fn(&PenetrationCurve) -> &str| {
         let mut own = laws.iter().map(name).filter(|name| !name.is_empty());
         let first = own.next();
@@ -247,7 +248,7 @@ impl PrfResult {
             let first = own.next()?;
             own.all(|name| name == first).then(|| first.to_owned())
         };
-        // A speed is part of the published laws alone.
+        // Only published laws depend on the speed.
         let published = self.curves.iter().any(|curve| curve.fit.is_some());
         let speed = published.then(|| format!("{:.0} mm/min", 60e3 * self.speed));
         let shared = [one(|c| Some(&c.law)), one(|c| Some(c.nail)), one(|c| c.wood), speed];
@@ -311,8 +312,8 @@ fn text(result: &PrfResult, tenths: bool) -> String {
     text
 }
 
-/// `penetration.csv`: force, its band of one standard error where a fit is published, and work, every 0.5 % of the
-/// nail's length.
+/// `penetration.csv`: force, its band of one standard error if a fit is published, and work, every 0.5 % of the nail's
+/// length.
 fn csv(laws: &[PenetrationCurve]) -> Result<Vec<u8>, Error> {
     let row = |law: &PenetrationCurve, step: u32| -> Result<[String; 8], Error> {
         let depth = law.nail.length * f64::from(step) / 200.0;

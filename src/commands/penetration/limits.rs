@@ -1,11 +1,11 @@
-//! Quantities of options with their limits.
+//! Parses quantities given as options, with limits.
 
 use nailnoise_quantities::{Dimension, measure};
 
-/// Reads a quantity of an option within limits \[SI\].
+/// Parses a quantity given as an option, within limits \[SI\].
 ///
 /// # Errors
-/// The fault of the text, or the limits.
+/// A description of the error in the text, or the limits.
 pub(super) fn within(text: &str, dimension: Dimension, [low, high]: [f64; 2]) -> Result<f64, String> {
     let value = measure(text, dimension)?;
     if (low..=high).contains(&value) {

@@ -1,4 +1,5 @@
-//! `nailnoise penetration plan`: tests at high speed for a nail, what they reach, and which terms they tell apart.
+//! `nailnoise penetration plan`: plans tests at high speed for a nail, and shows what they reach and which terms they
+//! can separate.
 
 use std::path::{Path, PathBuf};
 
@@ -29,10 +30,10 @@ use crate::tables::fixed;
 
 /// Density of a nail's steel \[kg/m3\].
 const STEEL: f64 = 7850.0;
-/// Energies of a level \[J\] and masses of a projectile \[kg\]: from a tack to a pile driver.
+/// Limits of the energy of a level \[J\] and of the mass of a projectile \[kg\]: from a tack to a pile driver.
 const ENERGIES: [f64; 2] = [1e-3, 1e6];
 const PROJECTILES: [f64; 2] = [1e-4, 1e4];
-/// Stations of depth at which a plan is tried.
+/// Number of depths at which a plan is evaluated.
 const STATIONS: u32 = 20;
 
 #[derive(Args)]
@@ -103,9 +104,9 @@ struct PlanResult {
     nail: &'static str,
     energy: f64,
     rows: Vec<Row>,
-    /// Why the plan cannot tell the terms of the form apart; null where it can.
+    /// Why the plan cannot separate the terms of the form; null if it can.
     not_identifiable: Option<String>,
-    /// Repeats of every row for the wished standard error, by term constant in a drive.
+    /// Repeats of every row needed for the requested standard error, by term that is constant within a drive.
     repeats: Vec<(String, u64)>,
     notes: Vec<String>,
     file: String,
@@ -114,12 +115,12 @@ struct PlanResult {
 #[derive(Serialize)]
 struct Row {
     mass: f64,
-    /// The speed of the plan \[m/s\].
+    /// The speed in the plan \[m/s\].
     speed: f64,
-    /// The speed of impact \[m/s\]; null where no impact has that mean speed.
+    /// The impact speed \[m/s\]; null if no impact leads to that mean speed.
     impact_speed: Option<f64>,
     energy: f64,
-    /// Predicted depth of the tip \[m\]; null where the law does not hold.
+    /// Predicted depth of the tip \[m\]; null if the law is not valid.
     depth: Option<f64>,
 }
 
@@ -217,7 +218,7 @@ fn nail_mass(nail: &NailSize) -> f64 {
     0.25 * std::f64::consts::PI * nail.diameter * nail.diameter * nail.length * STEEL
 }
 
-/// A machine with this projectile; the gas, the sensors and the block take no part in a plan.
+/// A machine with this projectile; gas, sensors and block are not used in a plan.
 fn machine(mass: f64, nail: &NailSize, wood: &WoodKind, law: PenetrationLaw, fitted: bool) -> Machine {
     let c = law.coefficients();
     Machine {
@@ -257,7 +258,7 @@ fn machine(mass: f64, nail: &NailSize, wood: &WoodKind, law: PenetrationLaw, fit
             penetration_force: 0.0,
             resistance_scale: 1.0,
             head_stiffness_scale: 1.0,
-            // Of the rebound, which a plan does not show.
+            // Affects only the rebound, which a plan does not show.
             unloading_stiffness: 1e7,
         },
         block: TestBlock {
@@ -330,7 +331,8 @@ fn trial(
     Some(found.stop_depth)
 }
 
-/// Repeats of every row for a standard error of the terms that are constant in a drive: sigma_b^2 (Z^T Z)^-1/repeats.
+/// Repeats of every row needed for a standard error of the terms that are constant within a drive: sigma_b^2 (Z^T
+/// Z)^-1/repeats.
 fn repeats(form: &Form, drives: &[Drive], sigma_between: f64, wished: f64) -> Vec<(String, u64)> {
     let constant: Vec<_> = form.terms().iter().filter(|term| !term.varies(false)).collect();
     let matrix = DMatrix::from_fn(drives.len(), constant.len(), |row, column| {

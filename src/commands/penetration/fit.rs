@@ -23,7 +23,7 @@ use crate::tables::{dash, fixed};
 /// The form of the published general law (Eq. 2.2).
 const FORM: &str = "poly(x,7) + rate + slender";
 
-/// The file that is written last.
+/// The file written last.
 const FIT: &str = "fit.toml";
 
 #[derive(Args)]
@@ -202,7 +202,7 @@ fn shortened(form: &str) -> String {
     }
 }
 
-/// `residuals.csv`: a row a point.
+/// `residuals.csv`, with one row per point.
 fn residuals(drives: &[Drive], residuals: &[f64]) -> Result<Vec<u8>, Error> {
     let points = drives
         .iter()

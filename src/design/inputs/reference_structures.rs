@@ -1,12 +1,12 @@
-//! Standard bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls, lumped
-//! masses and places of loads of the N80CB.
+//! Reference bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls,
+//! lumped masses and places of loads of the N80CB.
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and stored. Assumption: on the outer
 //! surface the modes of any body of this shape combine from them. How well is stated for every design. If it is not
 //! good enough, a second structure of other materials, for the tool also of other walls, is added to them ([`varied`]);
-//! if the walls of the two differ, from the start ([`Standards::walls_differ`]). If both together are not good enough
-//! either, the radiation is solved for the design's modes. For a design with the N80CB's own materials the standard
-//! bodies are its bodies, and nothing is assumed.
+//! if the walls of the two differ, from the start ([`ReferenceStructures::walls_differ`]). If both together are not
+//! good enough either, the radiation is solved for the design's modes. For a design with the N80CB's own materials the
+//! standard bodies are its bodies, and nothing is assumed.
 
 use std::sync::OnceLock;
 
@@ -18,13 +18,13 @@ use crate::error::Error;
 use crate::shipped;
 use crate::stages::bodies::{BodyKind, MeshSource};
 
-/// Name of the shipped design that gives the materials.
+/// Name of the shipped design from which the materials are taken.
 const STANDARD: &str = "n80cb";
 
-/// Name of the worktable in the catalogue that gives the wall of legs of tube.
+/// Name of the worktable in the catalogue from which the wall thickness of tubular legs is taken.
 const STANDARD_TUBES: &str = "B";
 
-/// Materials of block and table: groups of keys, and keys.
+/// Materials of block and table: groups of keys, and single keys.
 const MATERIALS: [&str; 7] = [
     "wood.density",
     "wood.elastic.",
@@ -35,7 +35,7 @@ const MATERIALS: [&str; 7] = [
     "support.worktable.metal.",
 ];
 
-/// Walls of the tool within its outer surface, and its materials.
+/// Walls of the tool inside its outer surface, and its materials.
 const WITHIN_TOOL: [&str; 7] = [
     "body.cap_wall",
     "body.handle_wall",
@@ -46,22 +46,22 @@ const WITHIN_TOOL: [&str; 7] = [
     "body.sleeve.",
 ];
 
-/// Places in the ranges of [`MATERIALS`], alternately. In ten draws of the N80CB's materials, one structure missed up
-/// to 3.7e-3 of the energy. With a second they missed up to 6e-4, at these places as well as at a tenth and nine
-/// tenths, in this order or the other.
+/// Positions in the ranges of [`MATERIALS`], used alternately. In ten draws of the N80CB's materials, one structure
+/// missed up to 3.7e-3 of the energy. With a second structure, up to 6e-4 was missed, at these positions as well as at
+/// 0.1 and 0.9, in either order.
 const RANGE_SHARES: [f64; 2] = [0.75, 0.25];
 
-/// Places in the ranges of [`WITHIN_TOOL`], alternately. In ten draws of walls, materials and lumped masses, one
-/// structure missed up to 4.5e-3, and more than 1e-3 in five; with a second these missed 2.3e-4 to 4.2e-4, and one
-/// 1.3e-3. For a magazine of 2 mm one misses 6.4e-3 and two miss 3.5e-4, whereas places at three quarters and a quarter
-/// leave 2.1e-3. For one of 1.5 mm, at the end of its range, one misses 3.1e-2 and two miss 1.4e-3; 2.7e-3 with places
-/// at a quarter and three quarters, and 1.9e-3 at 0.02 and 0.98.
+/// Positions in the ranges of [`WITHIN_TOOL`], used alternately. In ten draws of walls, materials and lumped masses,
+/// one structure missed up to 4.5e-3, and more than 1e-3 in five draws; with a second structure, these five missed
+/// 2.3e-4 to 4.2e-4, and one 1.3e-3. For a magazine wall of 2 mm, one structure misses 6.4e-3 and two miss 3.5e-4,
+/// whereas positions 0.75 and 0.25 leave 2.1e-3. For 1.5 mm, at the end of its range, one misses 3.1e-2 and two miss
+/// 1.4e-3; with positions 0.25 and 0.75 two miss 2.7e-3, and with 0.02 and 0.98 1.9e-3.
 const TOOL_SHARES: [f64; 2] = [0.1, 0.9];
 
-/// Largest difference of the barrel's radii \[m\] that is rounding.
+/// Differences of the barrel's radii up to this value \[m\] are due to rounding.
 const SAME_RADIUS: f64 = 1e-9;
 
-/// The shipped design, read once; none only if it does not parse, which a test excludes.
+/// The shipped design, read once; `None` only if it does not parse, which a test excludes.
 fn shipped_design() -> Option<&'static Design> {
     static READ: OnceLock<Option<Design>> = OnceLock::new();
     let read = || {
@@ -71,8 +71,8 @@ fn shipped_design() -> Option<&'static Design> {
     READ.get_or_init(read).as_ref()
 }
 
-/// Wall of the standard table's legs of tube \[m\], read once; none only if the catalogue has no such table, which a
-/// test excludes.
+/// Wall thickness of the tubular legs of the standard table \[m\], read once; `None` only if the catalogue has no such
+/// table, which a test excludes.
 fn tube_wall() -> Option<f64> {
     static READ: OnceLock<Option<f64>> = OnceLock::new();
     let read = || {
@@ -92,8 +92,8 @@ fn tube_wall() -> Option<f64> {
     *READ.get_or_init(read)
 }
 
-/// The shipped design with other materials and walls of the tool, each quantity at one of [`RANGE_SHARES`] or
-/// [`TOOL_SHARES`] in its range, and without lumped masses of the tool.
+/// The shipped design with other materials and tool walls, each quantity at one of [`RANGE_SHARES`] or [`TOOL_SHARES`]
+/// in its range, and without lumped masses of the tool.
 fn varied() -> Option<&'static Design> {
     static READ: OnceLock<Option<Design>> = OnceLock::new();
     let read = || {
@@ -103,14 +103,14 @@ fn varied() -> Option<&'static Design> {
         let of_tool = at_shares(&entries, &WITHIN_TOOL, TOOL_SHARES);
         let changes: Vec<(&str, Value)> = of_block_and_table.chain(of_tool).collect();
         design.set(&changes).ok()?;
-        // Its mass need not be that of the tool.
+        // Its mass need not equal that of the tool.
         design.body.lumped = false;
         Some(design)
     };
     READ.get_or_init(read).as_ref()
 }
 
-/// Keys of these names or groups with values at two places in their ranges, alternately.
+/// Keys with these names or in these groups, with values at two positions in their ranges, alternately.
 fn at_shares<'a>(
     entries: &'a [Entry],
     names: &'static [&'static str],
@@ -130,15 +130,15 @@ fn at_shares<'a>(
         .map(|((key, [low, high]), share)| (key, Value::Number(low + share * (high - low))))
 }
 
-/// The design with materials, nail, and walls, masses and loads of the tool `from` another design; its bodies have the
-/// outer surfaces of the design's. The loads count because the static corrections of the modes depend on them.
+/// The design with materials, nail, and the tool's walls, masses and loads taken from `from`; its bodies keep the outer
+/// surfaces of `design`. The loads matter because the static corrections of the modes depend on them.
 fn with_materials_of(design: &Design, from: &Design) -> Design {
     let mut standard = design.clone();
     let (wood, own) = (&mut standard.wood, &from.wood);
     (wood.density, wood.elastic, wood.driven) = (own.density, own.elastic.clone(), own.driven);
     let (nail, own) = (&mut standard.nail, &from.nail);
     (nail.offset_along, nail.offset_across) = (own.offset_along, own.offset_across);
-    // As deep in the block.
+    // The nail has the same relative depth in the block.
     standard.nail.length = from.nail.length * (design.workpiece.thickness / from.workpiece.thickness);
     let (table, own) = (&mut standard.support.worktable, &from.support.worktable);
     (table.top, table.top_density) = (own.top.clone(), own.top_density);
@@ -161,13 +161,13 @@ fn with_materials_of(design: &Design, from: &Design) -> Design {
         standard.head_valve.outer_diameter = from.head_valve.outer_diameter;
         standard.chambers.check_hole_position = from.chambers.check_hole_position;
     } else {
-        // A housing of other dimensions may be heavier than that tool.
+        // A housing of other dimensions may be heavier than the tool of `from`.
         body.lumped = false;
     }
     standard
 }
 
-/// Dimensions of a housing with walls and all that they enclose from another one.
+/// Dimensions of a housing with the walls and interior of another one.
 fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDimensions {
     ToolDimensions {
         barrel_wall: from.barrel_wall,
@@ -184,16 +184,16 @@ fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDim
     }
 }
 
-/// Designs with standard bodies in the shape of a design's.
-pub(crate) struct Standards {
+/// Designs with reference bodies in the shape of a design's.
+pub(crate) struct ReferenceStructures {
     /// With the materials and the nail of the N80CB.
     pub(crate) first: Design,
-    /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the
-    /// first does not represent.
+    /// Has other materials, and other walls if the tool has the outer dimensions of the N80CB. It is for motion that
+    /// the first does not represent.
     pub(crate) second: Option<Design>,
 }
 
-impl Standards {
+impl ReferenceStructures {
     /// Whether the tool of the second has different walls and so a separate mesh, which is the case in the outer
     /// surface of the N80CB's. A designer changes walls there, and one structure does not represent the motion of
     /// others: both are solved together from the start.
@@ -205,12 +205,12 @@ impl Standards {
     }
 }
 
-/// Standard bodies of these kinds; none if a body is meshed for its material, so that another material has another
+/// Reference bodies of these kinds; none if a body is meshed for its material, so that another material has another
 /// surface.
 ///
 /// # Errors
 /// Those of the bodies' materials and mesh files.
-pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<Standards>, Error> {
+pub(crate) fn references(design: &Design, kinds: &[BodyKind]) -> Result<Option<ReferenceStructures>, Error> {
     let Some(shipped) = shipped_design() else {
         return Ok(None);
     };
@@ -224,13 +224,13 @@ pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<St
     {
         second = None;
     }
-    Ok(Some(Standards { first, second }))
+    Ok(Some(ReferenceStructures { first, second }))
 }
 
-/// Whether gmsh makes the mesh of one of these bodies.
+/// Whether gmsh meshes one of these bodies.
 ///
 /// # Errors
-/// Those of the bodies' materials and mesh files.
+/// The errors of the bodies' materials and mesh files.
 pub(crate) fn needs_gmsh(design: &Design, kinds: &[BodyKind]) -> Result<bool, Error> {
     kinds.iter().try_fold(false, |needed, &kind| {
         Ok(needed || geometry(design, kind, false)?.mesh.needs_gmsh())
@@ -264,14 +264,14 @@ mod tests {
     #[test]
     fn the_standard_bodies_of_the_n80cb_are_its_own() {
         let own = shipped_design().unwrap();
-        let standards = standards(own, &BodyKind::ALL).unwrap().unwrap();
-        assert_eq!(own.digest(), standards.first.digest());
+        let references = references(own, &BodyKind::ALL).unwrap().unwrap();
+        assert_eq!(own.digest(), references.first.digest());
     }
 
     #[test]
     fn the_second_standard_tool_differs_in_every_wall_and_material_within_the_same_outside() {
         let own = shipped_design().unwrap();
-        let second = standards(own, &[BodyKind::Tool]).unwrap().unwrap().second.unwrap();
+        let second = references(own, &[BodyKind::Tool]).unwrap().unwrap().second.unwrap();
         assert!(second.conflict().is_none());
         let of = |design: &Design, name: &str| {
             let entries = design.entries().into_iter();
@@ -308,7 +308,7 @@ mod tests {
             assert_ne!(of_group(own), of_group(varied), "{group}");
         }
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let second = standards(own, &kinds).unwrap().unwrap().second.unwrap();
+        let second = references(own, &kinds).unwrap().unwrap().second.unwrap();
         for kind in kinds {
             let [own, second] = [own, &second].map(|design| geometry(design, kind, false).unwrap().mesh);
             assert_eq!(own, second, "the same mesh");

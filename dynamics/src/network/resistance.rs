@@ -1,0 +1,73 @@
+//! Resistance of the work to a fastener.
+
+use nailnoise_penetration::{Curve, PenetrationLaw};
+
+use super::assembly::{Fastener, FastenerLaw};
+use super::kernels::interpolate;
+
+/// Law of the resistance along the shank.
+#[derive(Debug, Clone)]
+pub(crate) enum ResistancePlan {
+    Wood(Curve),
+    Constant(f64),
+    Table(Vec<[f64; 2]>),
+}
+
+impl ResistancePlan {
+    pub(crate) fn of(fastener: &Fastener) -> Self {
+        match &fastener.law {
+            FastenerLaw::SolidWood { hardness, offset } => {
+                let mut root = [0.0; 8];
+                root.copy_from_slice(&PenetrationLaw::SolidWood.coefficients()[..8]);
+                root[0] += offset;
+                Self::Wood(Curve::of(root, fastener.length, hardness * fastener.length))
+            }
+            FastenerLaw::Constant(force) => Self::Constant(*force),
+            FastenerLaw::Table(points) => Self::Table(points.clone()),
+        }
+    }
+}
+
+/// Resistance of the work over the depth z of a fastener's tip, on the way in.
+///
+/// ```text
+/// E(z) = F_r(min(z, l)) + k_h max(0, z - l)
+/// ```
+#[derive(Debug, Clone)]
+pub struct FastenerResistance {
+    law: ResistancePlan,
+    length: f64,
+    head_stiffness: f64,
+    /// Whether the force along the shank is lost where the head meets the work (published form).
+    reversible: bool,
+}
+
+impl FastenerResistance {
+    /// The resistance to a fastener.
+    pub fn of(fastener: &Fastener) -> Self {
+        Self {
+            law: ResistancePlan::of(fastener),
+            length: fastener.length,
+            head_stiffness: fastener.seated.head_stiffness,
+            reversible: fastener.reversible,
+        }
+    }
+
+    /// Force along the shank with the tip at `depth` \[m\] \[N\].
+    pub fn shank(&self, depth: f64) -> f64 {
+        if depth <= 0.0 || self.reversible && depth > self.length {
+            return 0.0;
+        }
+        let embedded = depth.min(self.length);
+        match &self.law {
+            ResistancePlan::Wood(curve) => curve.evaluate(embedded),
+            ResistancePlan::Constant(force) => *force,
+            ResistancePlan::Table(points) => interpolate(points, embedded).0,
+        }
+    }
+
+    /// Force under the head with the tip at `depth` \[m\] \[N\].
+    pub fn head(&self, depth: f64) -> f64 {
+        self.head_stiffness * (depth - self.length).max(0.0)
+    }
+}

@@ -1,0 +1,293 @@
+//! What to measure next: the gain of usual measurements in the interval of the total and in the order of the sources,
+//! from the draws at hand and their levels.
+
+use std::sync::Arc;
+
+use nailnoise_calibration::next::{Further, Outputs, gain};
+use nailnoise_calibration::statistics::quantile_of;
+use nailnoise_dynamics::CycleRecord;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::quantities::{Chamber, Moment, Quantity, Spread};
+use super::result::Table;
+use super::tool::{Tool, shot};
+use crate::design::{Design, JointDraws, Value};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::result::TOTAL;
+use crate::stages::Progress;
+use crate::study::{Request, draws, levels_of};
+
+/// Pressures of the supply at which shots could be measured, as shares of the design's gauge pressure.
+const PRESSURES: [f64; 3] = [1.0, 0.75, 1.15];
+
+/// A pound-force on a square inch \[Pa\].
+const PSI: f64 = 6_894.757_293_168_361;
+
+/// Shots of a usual measurement.
+const SHOTS: f64 = 5.0;
+
+/// A usual measurement: its name, quantity, error of one reading and minutes.
+struct Usual {
+    name: &'static str,
+    quantity: Quantity,
+    error: Spread,
+    minutes: f64,
+}
+
+const fn percent(share: f64) -> Spread {
+    Spread {
+        share: 0.01 * share,
+        amount: 0.0,
+    }
+}
+
+const fn amount(amount: f64) -> Spread {
+    Spread { share: 0.0, amount }
+}
+
+/// Usual measurements of a shot at the design's pressure. Depths are measured at the other pressures, too.
+const USUAL: [Usual; 9] = [
+    Usual {
+        name: "head depth",
+        quantity: Quantity::HeadDepth,
+        error: amount(0.2e-3),
+        minutes: 10.0,
+    },
+    Usual {
+        name: "air per shot",
+        quantity: Quantity::AirPerShot,
+        error: percent(4.0),
+        minutes: 15.0,
+    },
+    Usual {
+        name: "trigger to valve opening",
+        quantity: Quantity::Interval { from: 0, to: 6 },
+        error: amount(0.2e-3),
+        minutes: 15.0,
+    },
+    Usual {
+        name: "drive time",
+        quantity: Quantity::Interval { from: 6, to: 9 },
+        error: amount(0.1e-3),
+        minutes: 30.0,
+    },
+    Usual {
+        name: "valve opening to exhaust",
+        quantity: Quantity::Interval { from: 6, to: 14 },
+        error: amount(0.2e-3),
+        minutes: 15.0,
+    },
+    Usual {
+        name: "mean drive speed",
+        quantity: Quantity::MeanDriveSpeed,
+        error: percent(2.0),
+        minutes: 240.0,
+    },
+    Usual {
+        name: "peak pressure above the piston",
+        quantity: Quantity::PeakPressure(Chamber::AbovePiston),
+        error: percent(2.0),
+        minutes: 180.0,
+    },
+    Usual {
+        name: "peak pressure of the return volume",
+        quantity: Quantity::PeakPressure(Chamber::Return),
+        error: percent(2.0),
+        minutes: 180.0,
+    },
+    Usual {
+        name: "pressure above the piston at full depth",
+        quantity: Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9)),
+        error: percent(2.0),
+        minutes: 180.0,
+    },
+];
+
+/// Minutes to measure a key on the tool itself, which is taken apart for it; errors of a length, and of anything else.
+const DIRECT_MINUTES: f64 = 60.0;
+const DIRECT_LENGTH: f64 = 0.1e-3;
+const DIRECT_SHARE: f64 = 0.01;
+
+/// Tables of keys that a part of the tool states.
+const PARTS: [&str; 6] = ["piston.", "head_valve.", "chambers.", "exhaust.", "body.", "tool."];
+
+/// A measurement that could be made next.
+#[derive(Debug, Clone, Serialize)]
+pub struct NextRow {
+    /// What to measure.
+    pub measurement: String,
+    /// Pressure of the supply; empty for a key of the tool.
+    pub condition: String,
+    /// Standard deviation of its error with that of the model, in the unit.
+    pub error: f64,
+    /// SI unit.
+    pub unit: String,
+    /// Effort \[min\].
+    pub minutes: f64,
+    /// Width of the 90 % interval of the total now, and on average with it \[dB\].
+    pub width: [f64; 2],
+    /// Largest probability of a source to be first now, and on average with it.
+    pub first: [f64; 2],
+    /// Fall of the width for an hour of work \[dB/h\].
+    pub narrower_an_hour: f64,
+    /// Rise of the probability for an hour of work \[1/h\].
+    pub surer_an_hour: f64,
+    /// Whether the draws are too few for it, so that its gain is a lower bound.
+    pub is_bound: bool,
+}
+
+/// Draws of a calibration whose levels are computed.
+pub(super) struct Levelled<'a> {
+    pub(super) tool: &'a Tool,
+    pub(super) design: &'a Design,
+    /// The draws of the keys, with the rows of `table`.
+    pub(super) joint: JointDraws,
+    pub(super) table: &'a Table,
+    /// Points of the rows.
+    pub(super) points: Vec<&'a [f64]>,
+}
+
+impl Levelled<'_> {
+    /// The measurements by what an hour of work makes narrower, from the levels of `count` draws.
+    ///
+    /// # Errors
+    /// Those of a study.
+    pub(super) fn next(
+        &self,
+        graph: &Graph,
+        count: usize,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<Vec<NextRow>, Error> {
+        let drawn = self.design.with_joint_draws(Arc::new(self.joint.clone()));
+        let made = draws(graph, &drawn, &Request::new(count, seed), progress)?;
+        let row = |candidate: u64| self.joint.row_of(candidate, seed);
+        let rows: Vec<usize> = made.draws.iter().map(|own| row(own.candidate)).collect();
+        let total = levels_of(&made, TOTAL);
+        let sources = made.draws.first().map_or(&[][..], |own| &own.levels.sources);
+        let levels: Vec<Vec<f64>> = sources.iter().map(|own| levels_of(&made, &own.source)).collect();
+        let loudest = |draw: usize| {
+            let order = (0..levels.len()).max_by(|&a, &b| levels[a][draw].total_cmp(&levels[b][draw]));
+            order.unwrap_or(0)
+        };
+        let first: Vec<usize> = (0..made.draws.len()).map(loudest).collect();
+        let outputs = Outputs {
+            output: &total,
+            first: &first,
+        };
+        let mut found = Vec::new();
+        progress.stage("shots that could be measured");
+        let ambient = self.design.ambient.pressure;
+        for share in PRESSURES {
+            let gauge = share * (self.design.supply.pressure - ambient);
+            let shots = self.shots(ambient + gauge, &rows);
+            let condition = format!("{:.0} psig", gauge / PSI);
+            for usual in USUAL {
+                let is_depth = usual.quantity == Quantity::HeadDepth;
+                if share != 1.0 && !is_depth {
+                    continue;
+                }
+                let end = self.design.analysis.cycle_end;
+                let predict = |shot: &Option<CycleRecord>| {
+                    let predicted = shot
+                        .as_ref()
+                        .map(|own| usual.quantity.predict(own, &self.design.ambient, end));
+                    predicted.map_or(f64::NAN, |own| own.value())
+                };
+                let predictions: Vec<f64> = shots.iter().map(predict).collect();
+                let middle = median(&predictions);
+                let [reading, scatter, model] = [
+                    usual.error.at(middle),
+                    usual.quantity.scatter(middle),
+                    usual.quantity.discrepancy(middle),
+                ];
+                let candidate = Candidate {
+                    name: usual.name.to_owned(),
+                    condition: condition.clone(),
+                    unit: usual.quantity.dimension().unit(),
+                    minutes: usual.minutes,
+                    predictions,
+                    scale: ((reading * reading + scatter * scatter) / SHOTS + model * model).sqrt(),
+                };
+                found.extend(candidate.row(outputs, seed));
+            }
+        }
+        for variable in 0..self.tool.keys() {
+            let name = self.tool.name(variable);
+            let unit = self.tool.sampler.variables()[variable].unit();
+            if !PARTS.iter().any(|part| name.starts_with(part)) || unit.is_empty() {
+                continue;
+            }
+            let predictions: Vec<f64> = rows.iter().map(|&row| self.table.rows[row][variable]).collect();
+            let scale = match unit {
+                "m" => DIRECT_LENGTH,
+                _ => DIRECT_SHARE * median(&predictions).abs(),
+            };
+            let candidate = Candidate {
+                name: name.to_owned(),
+                condition: String::new(),
+                unit: unit.to_owned(),
+                minutes: DIRECT_MINUTES,
+                predictions,
+                scale,
+            };
+            found.extend(candidate.row(outputs, seed));
+        }
+        found.sort_by(|a, b| b.narrower_an_hour.total_cmp(&a.narrower_an_hour));
+        Ok(found)
+    }
+
+    /// Shots of rows at a pressure of the supply \[Pa\].
+    fn shots(&self, pressure: f64, rows: &[usize]) -> Vec<Option<CycleRecord>> {
+        let of = |&row: &usize| {
+            let mut own = self.tool.design(self.design, self.points[row])?;
+            own.set(&[("supply.pressure", Value::Number(pressure))]).ok()?;
+            shot(&own, own.analysis.cycle_end).ok()
+        };
+        rows.par_iter().map(of).collect()
+    }
+}
+
+/// A measurement that is weighed.
+struct Candidate {
+    name: String,
+    condition: String,
+    unit: String,
+    minutes: f64,
+    predictions: Vec<f64>,
+    scale: f64,
+}
+
+impl Candidate {
+    fn row(self, outputs: Outputs<'_>, seed: u64) -> Option<NextRow> {
+        if self.scale.is_nan() || self.scale <= 0.0 {
+            return None;
+        }
+        let further = Further {
+            predictions: &self.predictions,
+            scale: self.scale,
+        };
+        let gain = gain(further, outputs, seed)?;
+        let hours = self.minutes / 60.0;
+        Some(NextRow {
+            measurement: self.name,
+            condition: self.condition,
+            error: self.scale,
+            unit: self.unit,
+            minutes: self.minutes,
+            width: gain.width,
+            first: gain.first,
+            narrower_an_hour: (gain.width[0] - gain.width[1]) / hours,
+            surer_an_hour: (gain.first[1] - gain.first[0]) / hours,
+            is_bound: gain.is_bound,
+        })
+    }
+}
+
+/// Median of the finite values.
+fn median(values: &[f64]) -> f64 {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|own| own.is_finite()).collect();
+    quantile_of(&mut finite, 0.5)
+}

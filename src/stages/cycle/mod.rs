@@ -1,0 +1,142 @@
+//! The nailing cycle with its lumped workpiece.
+//!
+//! Two engines compute it: that of the tool which the keys of a design describe ([`Cycle`]), and the network of a
+//! design's assembly ([`AssembledCycle`]). Both make a [`ShotRecord`], and the chain reads nothing else.
+
+mod of_assembly;
+mod of_keys;
+mod shot;
+
+use nailnoise_dynamics::network::{self, Assembly, Numerics};
+use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate};
+use serde::Serialize;
+
+use super::{Code, Progress, Stage, Uncached, code};
+use crate::error::Error;
+
+pub(crate) use of_assembly::{TOOL, WORKPIECE};
+pub use of_keys::event_times;
+pub use shot::{BORE, EngineRecord, EventTimes, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures};
+
+/// One nailing cycle of the tool of a design's keys: chamber pressures, motions, events, contact forces and exhaust
+/// flow.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cycle {
+    /// Geometry, gas, contacts and wood.
+    pub parameters: Parameters,
+    /// Tolerance, sample interval and end.
+    pub settings: Settings,
+}
+
+impl Cycle {
+    /// Computes the record.
+    ///
+    /// # Errors
+    /// [`Error::Cycle`] where the tool cannot be computed.
+    pub fn record(&self) -> Result<CycleRecord, Error> {
+        Ok(simulate(&self.parameters, &self.settings)?)
+    }
+
+    /// The same with the forms that the thesis printed.
+    #[must_use]
+    pub fn published(self, preset: Preset) -> Self {
+        Self {
+            parameters: preset.apply(self.parameters),
+            ..self
+        }
+    }
+}
+
+/// One cycle of a tool that a design describes as an assembly of blocks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AssembledCycle {
+    /// Blocks, events, openings and loads.
+    pub assembly: Assembly,
+    /// Tolerance and sample interval.
+    pub numerics: Numerics,
+}
+
+/// The engine that computes the cycle of a design, with its inputs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum Engine {
+    /// That of the tool of the keys.
+    Keys(Box<Cycle>),
+    /// The network of an assembly.
+    Assembly(Box<AssembledCycle>),
+}
+
+impl Engine {
+    /// Acceleration of gravity \[m/s2\].
+    pub fn gravity(&self) -> f64 {
+        match self {
+            Self::Keys(cycle) => cycle.parameters.ambient.gravity,
+            Self::Assembly(cycle) => cycle.assembly.gravity,
+        }
+    }
+
+    /// The same with another interval of the samples \[s\].
+    #[must_use]
+    pub fn sampled(mut self, interval: f64) -> Self {
+        match &mut self {
+            Self::Keys(cycle) => cycle.settings.sample_interval = interval,
+            Self::Assembly(cycle) => cycle.numerics.sample_interval = Some(interval),
+        }
+        self
+    }
+
+    /// Computes the cycle.
+    ///
+    /// # Errors
+    /// [`Error::Cycle`], [`Error::Network`] where the tool cannot be computed.
+    pub fn shot(&self) -> Result<ShotRecord, Error> {
+        match self {
+            Self::Keys(cycle) => Ok(ShotRecord::of_keys(&cycle.parameters, cycle.record()?)),
+            Self::Assembly(cycle) => {
+                let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
+                Ok(ShotRecord::of_assembly(&cycle.assembly, record))
+            }
+        }
+    }
+}
+
+impl Stage for Engine {
+    type Output = ShotRecord;
+    type Error = Error;
+    /// Computing the record takes less time than reading its 20 MB.
+    type Codec = Uncached;
+    const NAME: &'static str = "nailing cycle";
+    const CODE: Code = code![dynamics, stages_cycle];
+
+    fn compute(&self, _: &Progress) -> Result<ShotRecord, Error> {
+        self.shot()
+    }
+}
+
+/// A published form of the model, which replaces the forms that the design chooses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill; without the
+    /// leak and the damping that the thesis does not have, and with the seat diameter its valve balance needs.
+    PublishedAll,
+    /// The published nail only: elastic penetration, and no impact of the rod on the nail.
+    PublishedNailOnly,
+}
+
+impl Preset {
+    /// Name of the preset in the output.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::PublishedAll => "published_all",
+            Self::PublishedNailOnly => "published_nail_only",
+        }
+    }
+
+    /// The parameters with the published forms.
+    pub fn apply(self, parameters: Parameters) -> Parameters {
+        match self {
+            Self::PublishedAll => parameters.published_all(),
+            Self::PublishedNailOnly => parameters.published_nail_only(),
+        }
+    }
+}

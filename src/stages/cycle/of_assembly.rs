@@ -1,0 +1,255 @@
+//! The shot of a tool that is described as an assembly.
+//!
+//! The housing is the body `tool`, the workpiece the body `workpiece`. Loads that the assembly names on the workpiece
+//! are `seat` and `nail`; without them the contacts and fasteners between the workpiece and other bodies are.
+
+use std::collections::BTreeMap;
+
+use nailnoise_dynamics::Body;
+use nailnoise_dynamics::network::assembly::{self, Base, Channel, Contact, Expression, Family, Quantity, Space};
+use nailnoise_dynamics::network::{Assembly, FlowHistory, LoadHistory, Record};
+
+use super::of_keys::impulse_correction;
+use super::shot::{EngineRecord, OnWorkpiece, ShotRecord, SummaryFigures};
+
+/// The body that is the housing of a tool.
+pub(crate) const TOOL: &str = "tool";
+/// The body on which a tool works.
+pub(crate) const WORKPIECE: &str = "workpiece";
+/// Outcome of a shot to which no outcome of its assembly applies.
+const UNNAMED: &str = "unnamed";
+
+impl ShotRecord {
+    /// The shot of an assembly.
+    pub fn of_assembly(assembly: &Assembly, record: Record) -> Self {
+        let of = Histories::new(assembly, &record);
+        let atmosphere = assembly.reservoirs.iter().find(|own| own.name == "atmosphere");
+        let on_tool = |body: &str| body == TOOL;
+        Self {
+            sample_interval: record.interval.unwrap_or_default(),
+            samples: of.samples,
+            ambient_pressure: atmosphere.map_or(0.0, |own| own.pressure),
+            outcome: record.outcome.clone().unwrap_or_else(|| UNNAMED.to_owned()),
+            events: record.events.clone(),
+            figures: SummaryFigures::Assembly(figures(assembly, &record)),
+            openings: record.openings.clone(),
+            tool: of.body(TOOL).map(|index| of.motion(index)),
+            loads: record.loads.iter().filter(|own| on_tool(&own.body)).cloned().collect(),
+            impulse_corrections: of.impulse_corrections(),
+            pressures: record
+                .pressures
+                .iter()
+                .filter(|own| on_tool(&own.body))
+                .cloned()
+                .collect(),
+            workpiece: of.body(WORKPIECE).map(|index| of.on_workpiece(index)),
+            checks: record.checks.clone(),
+            record: EngineRecord::Assembly(Box::new(record)),
+        }
+    }
+}
+
+/// Histories of an assembly's record.
+struct Histories<'a> {
+    assembly: &'a Assembly,
+    record: &'a Record,
+    samples: usize,
+}
+
+impl<'a> Histories<'a> {
+    fn new(assembly: &'a Assembly, record: &'a Record) -> Self {
+        Self {
+            assembly,
+            record,
+            samples: record.channels.first().map_or(0, |channel| channel.values.len()),
+        }
+    }
+
+    /// Index of a body.
+    fn body(&self, name: &str) -> Option<usize> {
+        self.assembly.bodies.iter().position(|body| body.name == name)
+    }
+
+    /// A quantity of a block; zero for one without a history.
+    fn quantity(&self, block: &str, quantity: &str) -> Vec<f64> {
+        let found = self.record.get(&format!("{block}.{quantity}"));
+        found.map_or_else(|| vec![0.0; self.samples], <[f64]>::to_vec)
+    }
+
+    fn motion(&self, body: usize) -> Body {
+        let name = &self.assembly.bodies[body].name;
+        Body {
+            position: self.quantity(name, "position"),
+            velocity: self.quantity(name, "velocity"),
+            acceleration: self.quantity(name, "acceleration"),
+        }
+    }
+
+    fn on_workpiece(&self, body: usize) -> OnWorkpiece {
+        let named = |surface: &str| {
+            let mut loads = self.record.loads.iter();
+            let load = loads.find(|own| own.body == WORKPIECE && own.surface == surface);
+            load.map(|own| own.force.clone())
+        };
+        let seat = named("seat").unwrap_or_else(|| self.contacts_on(body));
+        let fasteners: Vec<&str> = self.fasteners_in(body).collect();
+        let nose = self.record.get("nose.force");
+        OnWorkpiece {
+            motion: self.motion(body),
+            nose: nose.map_or_else(|| seat.clone(), <[f64]>::to_vec),
+            fastener: named("nail").unwrap_or_else(|| self.sum(fasteners.iter().map(|name| (*name, 1.0)))),
+            deepest: match fasteners.first() {
+                Some(name) => self.quantity(name, "deepest"),
+                None => vec![0.0; self.samples],
+            },
+            seat,
+        }
+    }
+
+    fn fasteners_in(&self, body: usize) -> impl Iterator<Item = &str> {
+        let all = self.assembly.fasteners.iter();
+        all.filter(move |own| own.into == body).map(|own| own.name.as_str())
+    }
+
+    /// Force of other bodies on a body through contacts, springs and friction, down; supports on the ground are not
+    /// among them.
+    fn contacts_on(&self, body: usize) -> Vec<f64> {
+        let (a, against) = (self.assembly, |base: Base| base == Base::Body(body));
+        let apart = |base: Base| base != Base::Ground;
+        // The force of contact and friction is on `against`, that of a spring on `on`.
+        let contacts = a.contacts.iter().map(|own| (&own.name, own.on, own.against, 1.0));
+        let frictions = a.frictions.iter().map(|own| (&own.name, own.on, own.against, 1.0));
+        let springs = a.springs.iter().map(|own| (&own.name, own.on, own.against, -1.0));
+        let all = contacts.chain(frictions).chain(springs);
+        self.sum(all.filter_map(|(name, on, other, sign)| {
+            let sign = if against(other) {
+                sign
+            } else if on == body && apart(other) {
+                -sign
+            } else {
+                return None;
+            };
+            Some((name.as_str(), sign))
+        }))
+    }
+
+    /// Sum of forces of blocks with signs.
+    fn sum<'b>(&self, blocks: impl Iterator<Item = (&'b str, f64)>) -> Vec<f64> {
+        let mut sum = vec![0.0; self.samples];
+        for (block, sign) in blocks {
+            let force = self.quantity(block, "force");
+            sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += sign * force);
+        }
+        sum
+    }
+
+    /// Corrections for bodies that strike stops of the housing, at the stop that each body is nearer to. A body that
+    /// drives a fastener is left out: the blow on its fastener changes its velocity, too.
+    fn impulse_corrections(&self) -> Vec<LoadHistory> {
+        let (a, Some(tool)) = (self.assembly, self.body(TOOL)) else {
+            return Vec::new();
+        };
+        let mut corrections = Vec::new();
+        for (body, own) in a.bodies.iter().enumerate() {
+            if a.fasteners.iter().any(|fastener| fastener.driver == body) {
+                continue;
+            }
+            let stops: Vec<(usize, &Contact)> = a
+                .contacts
+                .iter()
+                .enumerate()
+                .filter(|(_, contact)| contact.on == body && contact.against == Base::Body(tool))
+                .collect();
+            let surfaces: Vec<&str> = stops.iter().filter_map(|(index, _)| self.surface_of(*index)).collect();
+            if stops.is_empty() || surfaces.len() < stops.len() {
+                continue;
+            }
+            let names = stops.iter().map(|(_, stop)| (stop.name.as_str(), 1.0));
+            let correction = impulse_correction(
+                own.mass,
+                &self.motion(body),
+                &self.sum(names),
+                self.record.interval.unwrap_or_default(),
+            );
+            let travel = self.quantity(&own.name, "travel");
+            let nearest = |x: f64| {
+                let gap = |stop: &Contact| (x - stop.at).abs();
+                let pairs = stops.iter().enumerate();
+                let least = pairs.min_by(|(_, (_, a)), (_, (_, b))| gap(a).total_cmp(&gap(b)));
+                least.map_or(0, |(place, _)| place)
+            };
+            let nearest: Vec<usize> = travel.into_iter().map(nearest).collect();
+            for (place, surface) in surfaces.iter().enumerate() {
+                let here = nearest.iter().zip(&correction);
+                corrections.push(LoadHistory {
+                    body: TOOL.to_owned(),
+                    surface: (*surface).to_owned(),
+                    force: here
+                        .map(|(at, force)| if *at == place { *force } else { 0.0 })
+                        .collect(),
+                });
+            }
+        }
+        corrections
+    }
+
+    /// The surface of the housing whose load contains the force of a contact.
+    fn surface_of(&self, contact: usize) -> Option<&str> {
+        let channel = Channel {
+            block: assembly::BlockRef {
+                family: Family::Contact,
+                index: contact,
+            },
+            quantity: Quantity::Force,
+        };
+        let mut loads = self.assembly.loads.iter();
+        let on_tool = |load: &&assembly::Load| self.assembly.bodies[load.body].name == TOOL;
+        let load = loads.find(|load| on_tool(load) && contains(&load.force, channel))?;
+        Some(&load.surface)
+    }
+}
+
+/// Whether an expression contains a channel.
+fn contains(expression: &Expression, channel: Channel) -> bool {
+    match expression {
+        Expression::Channel(own) => *own == channel,
+        Expression::Constant(_) | Expression::Sensor(_) => false,
+        Expression::Negative(inner) => contains(inner, channel),
+        Expression::Binary(_, left, right) => contains(left, channel) || contains(right, channel),
+        Expression::Function(_, parts) => parts.iter().any(|part| contains(part, channel)),
+    }
+}
+
+/// Figures of a shot, named after the blocks of its assembly.
+fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
+    let mut figures = BTreeMap::new();
+    for peak in &record.peaks {
+        figures.insert(format!("peak_{}_force", peak.block), peak.force);
+    }
+    for strike in &record.strikes {
+        figures.insert(format!("speed_before_{}", strike.fastener), strike.before);
+        figures.insert(format!("speed_after_{}", strike.fastener), strike.after);
+    }
+    for fastener in &assembly.fasteners {
+        let deepest = record.get(&format!("{}.deepest", fastener.name));
+        if let Some(depth) = deepest.and_then(|history| history.last()) {
+            figures.insert(format!("{}_depth", fastener.name), *depth);
+        }
+    }
+    let openings = assembly.openings.iter().zip(&record.openings);
+    for (opening, flow) in openings {
+        if let Some(mass) = mass_out(assembly, record, opening.passage, flow) {
+            figures.insert(format!("{}_mass", opening.name), mass);
+        }
+    }
+    figures
+}
+
+/// Mass that leaves through an opening's passage \[kg\].
+fn mass_out(assembly: &Assembly, record: &Record, passage: usize, flow: &FlowHistory) -> Option<f64> {
+    let own = assembly.passages.get(passage)?;
+    let outward = matches!(own.to, Space::Reservoir(_));
+    let integral = record.integral(&format!("mass.{}", own.name));
+    let integral = integral.map(|mass| if outward { mass } else { -mass });
+    integral.or_else(|| Some(flow.mass_flow.iter().sum::<f64>() * record.interval?))
+}

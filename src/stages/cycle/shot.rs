@@ -1,0 +1,180 @@
+//! The shot: what sources, bodies and results read of a cycle, whichever engine computed it.
+
+use std::collections::BTreeMap;
+
+use nailnoise_dynamics::network::{EventTime, FlowHistory, LoadHistory, PressureHistory, Record};
+use nailnoise_dynamics::{Body, CycleRecord, Summary};
+use nailnoise_quantities::Check;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+/// Wall of the cylinder, which the piston divides.
+pub const BORE: &str = "bore";
+/// Wall of the return volume.
+pub const RETURN_WALL: &str = "return";
+
+/// A cycle as the chain reads it.
+///
+/// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ... Positions, velocities and forces point down,
+/// towards the workpiece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShotRecord {
+    /// dt, interval of the samples \[s\].
+    pub sample_interval: f64,
+    /// Number of samples.
+    pub(super) samples: usize,
+    /// Pressure of the atmosphere \[Pa\].
+    pub ambient_pressure: f64,
+    /// Name of the outcome; `unnamed` if no outcome of an assembly applies.
+    pub outcome: String,
+    /// Times of the named events.
+    pub events: Vec<EventTime>,
+    /// Figures of the shot.
+    pub figures: SummaryFigures,
+    /// Flow through each opening to the atmosphere that makes noise. The tool of the keys has the exhaust holes, then
+    /// the vent of the trigger valve.
+    pub openings: Vec<FlowHistory>,
+    /// Motion of the tool's housing; none for a tool without one.
+    pub tool: Option<Body>,
+    /// Forces on surfaces of the housing.
+    pub loads: Vec<LoadHistory>,
+    /// Means of stiff contact forces around each sample, less the sampled forces, on surfaces of the housing.
+    pub impulse_corrections: Vec<LoadHistory>,
+    /// Absolute pressures on walls of the housing that leave no net force.
+    pub pressures: Vec<PressureHistory>,
+    /// Motion of the workpiece and the forces on it; none for a tool that works on none.
+    pub workpiece: Option<OnWorkpiece>,
+    /// Checks of the cycle, each with its limit.
+    pub checks: Vec<Check>,
+    /// All histories of the engine.
+    pub record: EngineRecord,
+}
+
+/// Motion of the workpiece and the forces of the tool on it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OnWorkpiece {
+    /// Motion of the lumped workpiece.
+    pub motion: Body,
+    /// Force at the nose, guard included \[N\].
+    pub seat: Vec<f64>,
+    /// Force of the nose alone \[N\].
+    pub nose: Vec<f64>,
+    /// Force of the fastener \[N\].
+    pub fastener: Vec<f64>,
+    /// Deepest depth of the fastener's tip so far \[m\].
+    pub deepest: Vec<f64>,
+}
+
+/// The record of the engine that computed a shot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EngineRecord {
+    /// That of the tool of the keys.
+    Keys(Box<CycleRecord>),
+    /// That of an assembly.
+    Assembly(Box<Record>),
+}
+
+impl ShotRecord {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// Time of sample `index` \[s\].
+    pub fn time(&self, index: usize) -> f64 {
+        index as f64 * self.sample_interval
+    }
+
+    /// Time of an event \[s\]; none if it does not occur.
+    pub fn event(&self, name: &str) -> Option<f64> {
+        self.events.iter().find(|event| event.name == name)?.time
+    }
+
+    /// The record of the tool of the keys; none for an assembly.
+    pub fn of_tool_of_keys(&self) -> Option<&CycleRecord> {
+        match &self.record {
+            EngineRecord::Keys(record) => Some(record),
+            EngineRecord::Assembly(_) => None,
+        }
+    }
+
+    /// Acceleration of the housing \[m/s2\]; empty for a tool without one.
+    pub fn tool_acceleration(&self) -> &[f64] {
+        self.tool.as_ref().map_or(&[], |tool| &tool.acceleration)
+    }
+
+    /// Deepest depth of the fastener's tip \[m\]; zero for a tool that drives none.
+    pub fn fastener_depth(&self) -> f64 {
+        let deepest = self.workpiece.as_ref().and_then(|own| own.deepest.last());
+        deepest.copied().unwrap_or(0.0)
+    }
+
+    /// Mass that leaves through all openings \[kg\].
+    pub fn mass_out(&self) -> f64 {
+        let of_figures = |figures: &BTreeMap<String, f64>| {
+            let masses = self.openings.iter();
+            masses
+                .filter_map(|own| figures.get(&format!("{}_mass", own.name)))
+                .sum()
+        };
+        match &self.figures {
+            SummaryFigures::Keys(summary) => summary.exhaust_mass + summary.vent_mass,
+            SummaryFigures::Assembly(figures) => of_figures(figures),
+        }
+    }
+
+    /// Flow through an opening by its name.
+    pub fn opening(&self, name: &str) -> Option<&FlowHistory> {
+        self.openings.iter().find(|opening| opening.name == name)
+    }
+}
+
+/// Figures of a shot (SI).
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum SummaryFigures {
+    /// Those of the tool of the keys.
+    Keys(Box<Summary>),
+    /// Those of an assembly, named after its blocks: `peak_BLOCK_force`, `OPENING_mass`, `BLOCK_depth`.
+    Assembly(BTreeMap<String, f64>),
+}
+
+impl SummaryFigures {
+    /// A figure by its name; none where its phase does not occur.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        match self {
+            Self::Keys(summary) => serde_json::to_value(summary).ok()?.get(name)?.as_f64(),
+            Self::Assembly(figures) => figures.get(name).copied(),
+        }
+    }
+}
+
+/// Event times by name \[s\], in the order of the tool; null where one does not occur.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EventTimes(pub Vec<EventTime>);
+
+impl Serialize for EventTimes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for event in &self.0 {
+            map.serialize_entry(&event.name, &event.time)?;
+        }
+        map.end()
+    }
+}
+
+impl JsonSchema for EventTimes {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "EventTimes".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "object", "additionalProperties": { "type": ["number", "null"], "format": "double" } })
+    }
+}

@@ -1,0 +1,195 @@
+//! The sound of tools that are described as assemblies.
+
+use nailnoise::chain::{self, Chain, Options};
+use nailnoise::design::Value;
+use nailnoise::graph::Graph;
+use nailnoise::run::Run;
+use nailnoise::study::{Variable, variables};
+use nailnoise::{Design, Error};
+
+use crate::common::{design, run, small};
+
+/// The tool of the page "Describe another tool", on the small design.
+fn stapler(more: &str) -> Design {
+    small(&format!("[cycle]\nassembly = \"stapler\"\n{more}"))
+}
+
+fn sources(run: &Run) -> Vec<&str> {
+    let mut names: Vec<&str> = run.result.ranking.iter().map(|own| own.source.as_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+fn level(run: &Run, source: &str) -> f64 {
+    let mut ranking = run.result.ranking.iter();
+    ranking.find(|own| own.source == source).unwrap().lwa_db.unwrap()
+}
+
+#[test]
+fn the_n80cb_as_an_assembly_has_the_levels_of_its_keys() {
+    let (keys, assembly) = (run(&small("")), run(&small("[cycle]\nassembly = \"n80cb\"")));
+    assert_eq!(keys.result.outcome, assembly.result.outcome);
+    for source in ["workpiece", "exhaust", "body"] {
+        let gap = level(&assembly, source) - level(&keys, source);
+        assert!(gap.abs() < 0.005, "{source}: {gap} dB");
+    }
+    for event in &keys.record.events {
+        let other = assembly.record.event(&event.name);
+        match (event.time, other) {
+            (Some(a), Some(b)) => assert!((a - b).abs() < 1e-6, "{}: {a} {b} s", event.name),
+            (a, b) => assert_eq!(a, b, "{}", event.name),
+        }
+    }
+}
+
+#[test]
+fn the_loads_of_the_n80cb_are_those_of_its_assembly() {
+    let [keys, assembly] = ["", "[cycle]\nassembly = \"n80cb\""].map(|text| chain::shot(&small(text)).unwrap());
+    let rms = |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
+    for (own, others) in [
+        (&keys.loads, &assembly.loads),
+        (&keys.impulse_corrections, &assembly.impulse_corrections),
+    ] {
+        assert_eq!(own.len(), others.len());
+        for load in own {
+            let other = others.iter().find(|other| other.surface == load.surface).unwrap();
+            let samples = load.force.len().min(other.force.len());
+            let gap: Vec<f64> = (0..samples).map(|n| load.force[n] - other.force[n]).collect();
+            assert!(
+                rms(&gap) < 2e-3 * rms(&load.force).max(1.0),
+                "{}: {} N of {} N",
+                load.surface,
+                rms(&gap),
+                rms(&load.force)
+            );
+        }
+    }
+}
+
+#[test]
+fn a_stapler_has_three_sources_and_its_housing_radiates_by_its_mass() {
+    let run = run(&stapler(""));
+    assert_eq!(sources(&run), ["body", "exhaust", "workpiece"]);
+    assert_eq!(run.result.outcome, "drives");
+    let notes = run.result.notes.join("\n");
+    assert!(notes.contains("rigid sphere of its mass, 0.90 kg"), "{notes}");
+    let exhaust = run.result.ranking.iter().find(|own| own.source == "exhaust").unwrap();
+    assert!(
+        exhaust.components.len() >= 2,
+        "exhaust and foot are parts of the source"
+    );
+    // 20 g of piston stop on wood and bumper: the level lies between a click and a framing nailer.
+    assert!((60.0..110.0).contains(&run.result.total.lwa_db.unwrap()));
+}
+
+#[test]
+fn the_sound_of_a_rigid_housing_rises_with_the_square_of_its_volume() {
+    let (light, heavy) = (stapler(""), stapler("[cycle.body.tool]\nmass = \"1.8 kg\""));
+    let shots = [&light, &heavy].map(|design| chain::shot(design).unwrap());
+    let exposure = shots
+        .each_ref()
+        .map(|shot| shot.tool_acceleration().iter().map(|a| a * a).sum::<f64>());
+    let energy = [&light, &heavy].map(|design| 10f64.powf(0.1 * level(&run(design), "body")));
+    // P ~ V^2 a^2 at the same spectrum; the acceleration of a doubled mass changes its spectrum little.
+    let expected = 4.0 * exposure[1] / exposure[0];
+    let ratio = energy[1] / energy[0] / expected;
+    assert!((0.5..2.0).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn a_gas_spring_tool_without_an_opening_has_two_sources() {
+    let text = "[cycle]\nassembly = \"gas_spring_nailer\"\nend = \"30 ms\"\n[cycle.opening]\nbreather = false\n\
+                [cycle.passage.breather]\nsilent = true";
+    let run = run(&small(text));
+    assert_eq!(sources(&run), ["body", "workpiece"]);
+    assert!(run.result.notes.iter().any(|note| note.contains("has no opening")));
+    assert!((run.result.ranking.iter().map(|own| own.share).sum::<f64>() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_blow_gun_has_its_nozzle_as_the_only_source() {
+    let run = run(&small("[cycle]\nassembly = \"blow_gun\"\nend = \"40 ms\""));
+    assert_eq!(sources(&run), ["exhaust"]);
+    assert_eq!(run.result.ranking[0].share, 1.0);
+}
+
+#[test]
+fn an_expansion_chamber_lowers_the_exhaust() {
+    let (bare, chamber) = (run(&small("")), run(&small("[cycle]\nassembly = \"n80cb_chamber\"")));
+    assert!(level(&chamber, "exhaust") < level(&bare, "exhaust") - 0.5);
+}
+
+/// Names of the variables of a study.
+fn names(variables: &[Variable]) -> Vec<&str> {
+    variables.iter().map(|own| own.name.as_str()).collect()
+}
+
+#[test]
+fn a_study_draws_literals_and_keys_of_an_assembly_and_no_key_without_effect() {
+    let all = variables(&stapler("")).unwrap();
+    let names = names(&all);
+    for key in [
+        "staple.force",
+        "valve.exhaust_area",
+        "cycle.contact.support.stiffness",
+        "piston.mass",
+    ] {
+        assert!(names.contains(&key), "{key} of {names:?}");
+    }
+    for key in [
+        "head_valve.mass",
+        "trigger.fill_area",
+        "chambers.return_volume",
+        "nail.feed_height",
+    ] {
+        assert!(!names.contains(&key), "{key}");
+    }
+}
+
+#[test]
+fn a_literal_that_is_set_changes_the_shot_and_nothing_else() {
+    let base = stapler("");
+    let key = "cycle.contact.support.stiffness";
+    let mut soft = base.clone();
+    soft.set(&[(key, Value::Number(2e7))]).unwrap();
+    let entry = |design: &Design| design.entries().into_iter().find(|own| own.key == key).unwrap().value;
+    assert_eq!([entry(&base), entry(&soft)], [Value::Number(1e8), Value::Number(2e7)]);
+    assert_ne!(base.digest(), soft.digest());
+    let keys = |design: &Design| {
+        let chain = Chain::new(&Graph::default(), design, Options::default()).unwrap();
+        (*chain.cycle.key(), *chain.structure[0].modes.key())
+    };
+    let (before, after) = (keys(&base), keys(&soft));
+    assert_ne!(before.0, after.0);
+    assert_eq!(before.1, after.1);
+    assert!(base.clone().set(&[(key, Value::Number(-1.0))]).is_err());
+}
+
+#[test]
+fn switches_that_an_assembly_does_not_follow_are_refused_at_their_place() {
+    for (key, text) in [
+        ("model.gas", "model.gas = \"published\""),
+        ("wood.penetration_law", "wood.penetration_law = \"constant\""),
+        ("support.coupling", "support.coupling = \"two-way\""),
+    ] {
+        let own = small(&format!("{text}\n[cycle]\nassembly = \"n80cb\""));
+        let refused = chain::shot(&own).unwrap_err();
+        let Error::Design(error) = refused else {
+            panic!("{key}: {refused}")
+        };
+        assert!(error.to_string().contains(key), "{error}");
+    }
+}
+
+#[test]
+fn shipped_designs_with_assemblies_load_and_name_their_sources() {
+    for (path, count) in [
+        ("designs/tools/stapler.toml", 3),
+        ("designs/tools/gas-spring-nailer.toml", 3),
+        ("designs/tools/blow-gun.toml", 1),
+        ("designs/quieter/expansion-chamber.toml", 3),
+    ] {
+        let chain = Chain::new(&Graph::default(), &design(path), Options::default()).unwrap();
+        assert_eq!(chain.source_names().count(), count, "{path}");
+    }
+}

@@ -1,0 +1,226 @@
+//! `nailnoise calibrate`: measurements as a user states them, and what becomes of those that contradict each other.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::common::{command, folder, json, messages, over};
+use crate::study::ANY;
+
+/// Head depths of a tool at two pressures, and the air of a shot.
+fn measurements(low: &str, high: &str) -> String {
+    let depth = |name: &str, value: &str| {
+        format!(
+            "{name} = {{ condition = \"{name}\", quantity = \"head_depth\", value = \"{value}\", shots = 5, \
+             scatter = \"1 mm\", error = \"0.5 mm\", discrepancy = \"1 mm\" }}\n"
+        )
+    };
+    format!(
+        "schema = \"nailnoise-calibration/1\"\n[condition]\n\
+         low = {{ set = {{ \"supply.pressure\" = \"80 psig\" }} }}\n\
+         high = {{ set = {{ \"supply.pressure\" = \"110 psig\" }} }}\n\
+         [measured]\n{}{}\
+         air = {{ condition = \"high\", quantity = \"air_per_shot\", value = \"1.5 l\", error = \"4 %\" }}\n",
+        depth("low", low),
+        depth("high", high)
+    )
+}
+
+/// Two depths that contradict each other: the nail goes deeper at the lower pressure.
+fn contradicting() -> String {
+    measurements("1 mm", "-25 mm")
+}
+
+/// A folder with a design of any outcome and a file of measurements.
+fn made(name: &str, measured: &str) -> (PathBuf, String) {
+    let folder = folder(&format!("calibrate/{name}"));
+    fs::write(folder.join("shots.toml"), measured).unwrap();
+    let design = over(&folder, "tool", ANY);
+    (folder, design)
+}
+
+fn calibrate(folder: &Path, design: &str, arguments: &[&str]) -> Output {
+    let own = [
+        "calibrate",
+        design,
+        "--measured",
+        "shots.toml",
+        "--out",
+        "out",
+        "--moves",
+        "3",
+    ];
+    command(&[&own, arguments].concat())
+        .current_dir(folder)
+        .env("NAILNOISE_CACHE", folder.join("cache"))
+        .output()
+        .unwrap()
+}
+
+fn result(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("out/calibration/calibration.json")).unwrap()).unwrap()
+}
+
+fn verdicts(result: &Value) -> Vec<(bool, &str)> {
+    let rows = result["measurements"].as_array().unwrap().iter();
+    rows.map(|own| (own["counts"].as_bool().unwrap(), own["verdict"].as_str().unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_contradiction_is_named_as_a_pair_and_left_out_or_widened() {
+    let (folder, design) = made("pair", &contradicting());
+    let output = calibrate(&folder, &design, &["--draws", "128"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}\n{}", messages(&output));
+    let left_out = result(&folder);
+    let conflicts = left_out["conflicts"].as_array().unwrap();
+    assert_eq!(conflicts.len(), 1, "{text}");
+    let mut pair = ["measurement", "partner"].map(|key| conflicts[0][key].as_str().unwrap());
+    pair.sort_unstable();
+    assert_eq!(pair, ["high", "low"]);
+    assert!(conflicts[0]["probability"].as_f64().unwrap() < 0.01 && conflicts[0]["widened"].is_null());
+    assert!(conflicts[0]["gain"].as_f64().unwrap() > 5.0, "{text}");
+    assert_eq!(
+        verdicts(&left_out),
+        [(false, "conflict"), (false, "conflict"), (true, "met")]
+    );
+    for words in [
+        "contradict each other",
+        "left out of all intervals",
+        "all intervals leave out",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    let page = fs::read_to_string(folder.join("out/calibration/calibration.html")).unwrap();
+    assert!(page.contains("contradict"));
+
+    // The draws with both readings are stored, so that only the widened ones are made.
+    let output = calibrate(&folder, &design, &["--draws", "128", "--conflict", "widen"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}\n{}", messages(&output));
+    let widened = result(&folder);
+    let factor = widened["conflicts"][0]["widened"].as_f64().unwrap();
+    assert!(factor > 2.0, "{text}");
+    assert_eq!(
+        verdicts(&widened),
+        [(true, "conflict"), (true, "conflict"), (true, "met")]
+    );
+    assert!(text.contains(&format!("widened by a factor {factor:.1}")), "{text}");
+}
+
+#[test]
+fn a_reading_beyond_the_outcome_names_the_limit_that_would_have_to_give() {
+    let shots = "schema = \"nailnoise-calibration/1\"\n[condition]\n\
+        a = { set = { \"supply.pressure\" = \"110 psig\" }, outcome = [\"drives\", \"underdriven\"] }\n\
+        [measured]\ndepth = { condition = \"a\", quantity = \"head_depth\", value = \"20 mm\", error = \"1 mm\", \
+        shots = 5, scatter = \"1 mm\", discrepancy = \"1 mm\" }\n";
+    let (folder, design) = made("beyond", shots);
+    let output = calibrate(&folder, &design, &["--draws", "64"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    // Without the only reading, the draws are the candidates.
+    assert_eq!(output.status.code(), Some(1), "{text}\n{}", messages(&output));
+    let result = result(&folder);
+    let conflict = &result["conflicts"][0];
+    assert_eq!(verdicts(&result), [(false, "not_reached")]);
+    assert!(conflict["nearest"].as_f64().unwrap() < 6e-3 && conflict["distance"].as_f64().unwrap() > 3.0);
+    assert!(
+        conflict["remedies"].to_string().contains("nail.overdrive_limit"),
+        "{text}"
+    );
+    assert!(text.contains("NOT REACHED"), "{text}");
+}
+
+#[test]
+fn a_study_of_the_calibrated_design_draws_the_rows_of_the_posterior() {
+    let (folder, design) = made("study", &measurements("-17 mm", "-1 mm"));
+    let one = calibrate(&folder, &design, &["--draws", "64", "--threads", "1"]);
+    assert!(matches!(one.status.code(), Some(0 | 3)), "{}", messages(&one));
+    let out = folder.join("out/calibration");
+    let draws = fs::read(out.join("calibrated.draws")).unwrap();
+    let two = command(&[
+        "calibrate",
+        &design,
+        "--measured",
+        "shots.toml",
+        "--draws",
+        "64",
+        "--moves",
+        "3",
+    ])
+    .current_dir(&folder)
+    .args(["--out", "again", "--threads", "2", "--no-cache"])
+    .output()
+    .unwrap();
+    assert_eq!(one.status.code(), two.status.code());
+    assert!(
+        draws == fs::read(folder.join("again/calibration/calibrated.draws")).unwrap(),
+        "threads"
+    );
+
+    let joint: Value = serde_json::from_slice(&draws).unwrap();
+    let column = |key: &str| {
+        let names = joint["names"].as_array().unwrap();
+        let place = names.iter().position(|name| name == key).unwrap();
+        let rows = joint["rows"].as_array().unwrap().iter();
+        rows.map(|row| row[place].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let calibrated = out.join("calibrated.toml");
+    let study = |arguments: &[&str]| {
+        let own = ["study", calibrated.to_str().unwrap(), "--json", "--out", "out"];
+        command(&[&own, arguments].concat())
+            .current_dir(&folder)
+            .env("NAILNOISE_CACHE", folder.join("cache"))
+            .output()
+            .unwrap()
+    };
+    let made = study(&["-n", "3"]);
+    let studied = json(&made);
+    let notes = studied["notes"].to_string();
+    assert!(
+        notes.contains("joint draws of a calibration with shots.toml"),
+        "{notes}"
+    );
+    let mut drawn = csv::Reader::from_path(folder.join("out/study/draws.csv")).unwrap();
+    let header = drawn.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = drawn.records().collect::<Result<_, _>>().unwrap();
+    for key in ["head_valve.lift", "piston.mass", "chambers.return_volume"] {
+        let place = header.iter().position(|name| name.starts_with(key)).unwrap();
+        let known = column(key);
+        for row in &rows {
+            let value: f64 = row[place].parse().unwrap();
+            let is_row = known.iter().any(|own| (value / own - 1.0).abs() < 1e-5);
+            assert!(is_row, "{key} = {value} is in no row");
+        }
+    }
+
+    let refused = study(&["-n", "3", "--structures"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        messages(&refused).contains("leave out --structures"),
+        "{}",
+        messages(&refused)
+    );
+    let again = calibrate(&folder, calibrated.to_str().unwrap(), &["--draws", "64"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(messages(&again).contains("calibrated already"), "{}", messages(&again));
+    let outdated = String::from_utf8(draws)
+        .unwrap()
+        .replacen("\"code\":\"", "\"code\":\"0", 1);
+    fs::write(out.join("calibrated.draws"), outdated).unwrap();
+    let refused = study(&["-n", "3"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        messages(&refused).contains("calibrate the design again"),
+        "{}",
+        messages(&refused)
+    );
+    fs::remove_file(out.join("calibrated.draws")).unwrap();
+    let missing = messages(&study(&["-n", "3"]));
+    assert!(
+        missing.contains("study.draws") && missing.contains("cannot be read"),
+        "{missing}"
+    );
+}
