@@ -46,7 +46,11 @@ fn coupled(design: &Design, parameters: &Parameters, points: usize) -> Coupled {
         duration: design.analysis.duration,
         ..Settings::default()
     };
-    couple(parameters, &cycle_settings(design), &[body], &supports, &settings).unwrap()
+    let cycle = Cycle {
+        parameters: parameters.clone(),
+        settings: cycle_settings(design),
+    };
+    couple(&cycle, &[body], &supports, &settings).unwrap()
 }
 
 #[test]
