@@ -14,7 +14,22 @@ fn library(source: &str) -> Crate {
 }
 
 fn assert_no_circle(source: &str) {
-    let found = circles(&library(source).arrows());
+    assert_no_circle_but(source, &[]);
+}
+
+/// Asserts that no files of `source` use each other, except these groups, which are to be resolved. A group that is
+/// resolved fails.
+fn assert_no_circle_but(source: &str, known: &[&[&str]]) {
+    let mut found = circles(&library(source).arrows());
+    for group in known {
+        let files: BTreeSet<PathBuf> = group.iter().map(PathBuf::from).collect();
+        let before = found.len();
+        found.retain(|arrows| arrows.iter().flatten().cloned().collect::<BTreeSet<_>>() != files);
+        assert!(
+            found.len() < before,
+            "{source}: the files {group:?} no longer use each other"
+        );
+    }
     let lines = found.iter().enumerate().flat_map(|(number, group)| {
         let line = move |[from, to]: &[PathBuf; 2]| format!("{number}: {} uses {}", from.display(), to.display());
         group.iter().map(line)

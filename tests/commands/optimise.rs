@@ -137,11 +137,7 @@ fn a_search_that_cannot_be_says_why() {
     ends(&["--vary", "exhaust.hole=3..9"], 2, "exhaust.hole");
     ends(&["--vary", "exhaust.holes"], 2, "does not vary a key");
     ends(&["--vary", holes, "--vary", holes], 2, "twice");
-    ends(
-        &["--vary", holes, "--subject-to", "depth >= 3"],
-        2,
-        "no figure `depth`",
-    );
+    ends(&["--vary", holes, "--subject-to", "depth >= 3"], 2, "no figure `depth`");
     ends(&["--vary", holes, "--minimise", "noise"], 2, "no figure `noise`");
     ends(
         &["--vary", holes, "--subject-to", "penetration >= 3 m"],
