@@ -176,24 +176,20 @@ fn front(found: &Optimisation, first: &Objective, second: &Objective) -> Panel {
 
 fn over(found: &Optimisation, objective: &Objective, place: usize) -> Panel {
     let variable = &found.variables[place];
-    let (x, at): (Axis, Box<dyn Fn(&str) -> Option<f64>>) = match &variable.domain {
-        Domain::Choices(choices) => {
-            let choices = choices.clone();
-            let axis = Axis::categories(&variable.key, "", choices.clone());
-            // At the centre of the category.
-            (
-                axis,
-                Box::new(move |value| Some(choices.iter().position(|own| own == value)? as f64 + 0.5)),
-            )
-        }
+    let x = match &variable.domain {
+        Domain::Choices(choices) => Axis::categories(&variable.key, "", choices.clone()),
         Domain::Range { low, high, unit, .. } => {
             let label = match unit.as_str() {
                 "" => variable.key.clone(),
                 unit => format!("{} ({unit})", variable.key),
             };
-            let axis = Axis::holding(label, "", [*low, *high].into_iter());
-            (axis, Box::new(|value| Some(number_and_unit(value).ok()?.0)))
+            Axis::holding(label, "", [*low, *high].into_iter())
         }
+    };
+    let at = |value: &str| match &variable.domain {
+        // At the centre of the category.
+        Domain::Choices(choices) => Some(choices.iter().position(|own| own == value)? as f64 + 0.5),
+        Domain::Range { .. } => Some(number_and_unit(value).ok()?.0),
     };
     let series = points(found, &|_, trial| {
         Some([at(&trial.values[place])?, value(objective, trial)?])

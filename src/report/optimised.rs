@@ -132,7 +132,7 @@ fn reasons(found: &Optimisation) -> Vec<(String, usize)> {
             None => counts.push((reason, 1)),
         }
     }
-    counts.sort_by(|a, b| b.1.cmp(&a.1));
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     counts.truncate(3);
     counts
 }

@@ -139,9 +139,9 @@ fn surface_velocities_are_written_for_every_corner_of_a_closed_surface_above_the
     for panel in corners.chunks(4) {
         let edge = |to: usize| [0, 1, 2].map(|axis| panel[to][axis] - panel[0][axis]);
         let (a, b) = (edge(1), edge(3));
-        for axis in 0..3 {
+        for (axis, area) in area.iter_mut().enumerate() {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            area[axis] += a[next] * b[last] - a[last] * b[next];
+            *area += a[next] * b[last] - a[last] * b[next];
         }
     }
     assert!(
