@@ -185,7 +185,8 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
     });
     format!(
         "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` \
-         says how sure they are; head below the surface, energy left as the nail is flush, air of a shot\n\n{levels}{drawn}"
+         says how sure they are; head below the surface, energy left as the nail is flush, air of a \
+         shot\n\n{levels}{drawn}"
     )
 }
 

@@ -5,7 +5,7 @@ use nailnoise_quantities::rounded;
 
 use super::chart::markup;
 use super::page::{Page, Section};
-use super::table::with_code;
+use super::typography::with_code;
 use crate::calibration::{CalibrationResult, MeasurementRow};
 use crate::figures::Chart;
 

@@ -6,7 +6,8 @@
 use maud::{Markup, html};
 
 use super::axis::{labels, percent};
-use super::legend::{legend, marked};
+use super::legend::legend;
+use super::typography::marked;
 use crate::figures::path::Frame;
 use crate::figures::ticks::{Tick, across, rows, upwards};
 use crate::figures::{Chart, Event, PALETTE, Panel, Series, Shape, hexadecimal, subscripts};

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::legend::marked;
+use super::typography::marked;
 use crate::declaration;
 use crate::result::{RunResult, SourceLoudness};
 

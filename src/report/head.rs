@@ -4,7 +4,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use maud::{Markup, html};
 
-use super::legend::marked;
+use super::typography::{marked, with_code};
 use super::{table, tables};
 use crate::design::{Design, Value};
 use crate::model::supports;
@@ -129,7 +129,7 @@ pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
         @if let Some(headline) = headline {
             div.missed role="alert" {
                 @for (place, line) in headline.lines().iter().enumerate() {
-                    p.alarm[place == 0] { (table::with_code(&capitalised(line))) "." }
+                    p.alarm[place == 0] { (with_code(&capitalised(line))) "." }
                 }
             }
         }

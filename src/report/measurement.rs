@@ -4,7 +4,8 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::page::{Page, Section};
-use super::table::{self, with_code};
+use super::table;
+use super::typography::with_code;
 use crate::figures::Chart;
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::MeasurementResult;

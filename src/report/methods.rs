@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::table::{self, typeset, with_code};
+use super::table;
 use super::tables::{self, decibels};
+use super::typography::{typeset, with_code};
 use crate::result::{CrossCheck, FluidLoading, Loading, ModeShare, RadiationReport, RankedSource, RunResult};
 use crate::tables::{Column, Table, dash, run};
 use crate::wording::{band, change};

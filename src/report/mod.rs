@@ -32,6 +32,7 @@ mod surface;
 mod swept;
 mod table;
 mod tables;
+mod typography;
 
 use maud::{Markup, PreEscaped, html};
 use rayon::prelude::*;
@@ -340,7 +341,7 @@ fn ranking(result: &RunResult) -> Markup {
             }
         }
         (declared::section(result))
-        ul.notes { @for note in &result.notes { li { (table::with_code(note)) } } }
+        ul.notes { @for note in &result.notes { li { (typography::with_code(note)) } } }
     }
 }
 

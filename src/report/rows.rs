@@ -3,7 +3,8 @@
 use maud::{Markup, html};
 
 use super::axis::{labels, percent};
-use super::legend::{legend, marked};
+use super::legend::legend;
+use super::typography::marked;
 use crate::figures::path::{RowBar, row_bars, sharing};
 use crate::figures::ticks::across;
 use crate::figures::{Panel, Series};

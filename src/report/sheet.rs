@@ -3,9 +3,9 @@
 use maud::{Markup, html};
 
 use super::head::capitalised;
-use super::legend::marked;
 use super::page::{Page, Section};
 use super::table;
+use super::typography::{marked, typeset};
 use crate::declaration::{Finished, Use};
 use crate::tables::{Cell, Column, Table};
 use crate::wording::in_one_unit;
@@ -24,7 +24,9 @@ pub(super) fn page(of: &Finished, usage: Use) -> Page {
         lead: html! {
             p { "Fastener driving tool: noise emission after EN ISO 11148-13 and EN 12549." }
             @if of.outcome != "drives" {
-                p.alarm { "The shot of this design " (of.outcome.replace('_', " ")) ": its levels must not be declared." }
+                p.alarm {
+                    "The shot of this design " (of.outcome.replace('_', " ")) ": its levels must not be declared."
+                }
             }
             p.quiet { "All levels are predictions of the program. A declaration under the Machinery Directive needs \
                 measurements of the tool." }
@@ -147,7 +149,7 @@ fn conditions(of: &Finished) -> Markup {
     });
     html! {
         table.facts {
-            @for (name, value) in stated { tr { th scope="row" { (name) } td { (table::typeset(&value)) } } }
+            @for (name, value) in stated { tr { th scope="row" { (name) } td { (typeset(&value)) } } }
             @if let Some(own) = &of.performance {
                 tr { th scope="row" { "the shot" } td { (capitalised(&own.in_words())) } }
             }
@@ -160,14 +162,14 @@ fn basis(of: &Finished) -> Markup {
         ul.notes {
             li { (marked("L_WA,1s: sound power of all sources of one shot, normalised to 1 s (EN 12549, ISO 3744); \
                 L_pA,1s: emission sound pressure at the operator's ear without room and background (ISO 11201).")) }
-            li { "K = 1.645 sigma over draws of the inputs and of the errors of the methods; it replaces the scatter of \
-                measurements and of machines." }
+            li { "K = 1.645 sigma over draws of the inputs and of the errors of the methods; it replaces the scatter \
+                of measurements and of machines." }
             li { "Program nailnoise " (env!("CARGO_PKG_VERSION")) "; values of the design (SHA-256): "
                 span.digest { (of.design.digest) } }
         }
         table.facts {
             @for field in ["manufacturer", "machine, serial number", "place and date", "name and signature"] {
-                tr { th scope="row" { (field) } td { "\u{2026}\u{2026}\u{2026}\u{2026}\u{2026}\u{2026}\u{2026}\u{2026}" } }
+                tr { th scope="row" { (field) } td { ("\u{2026}".repeat(8)) } }
             }
         }
     }

@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::head::missed;
-use super::legend::marked;
 use super::page::{Page, Section};
-use super::table::{self, typeset, with_code};
+use super::table;
+use super::typography::{marked, typeset, with_code};
 use crate::figures::Chart;
 use crate::study::{Contributions, Estimate, GroupStudy, SourceStudy, StudyResult};
 use crate::tables::study as tables;

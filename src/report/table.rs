@@ -2,22 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::legend::marked;
+use super::typography::{marked, with_code};
 use crate::tables::{Cell, Column, Content, Table};
-
-/// Characters in the terminal, and their typeset form on a page.
-const TYPESET: [(&str, &str); 10] = [
-    ("+-", "\u{b1}"),
-    ("<= ", "\u{2264} "),
-    (">= ", "\u{2265} "),
-    ("dB2", "dB\u{b2}"),
-    ("Q2", "Q\u{b2}"),
-    (" m2", " m\u{b2}"),
-    ("mm2", "mm\u{b2}"),
-    ("cm3", "cm\u{b3}"),
-    ("/m3", "/m\u{b3}"),
-    (" um", " \u{b5}m"),
-];
 
 /// Longest text of a cell that is not broken into lines \[characters\].
 const SHORT: usize = 14;
@@ -44,7 +30,9 @@ pub(super) fn markup(table: &Table) -> Markup {
 fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
     let key = column.content == Content::Keys;
     html! {
-        @if key && place == 0 { th.key-name scope="row" { (cell.text) @if !cell.spread.is_empty() { br; span.meaning { (marked(&cell.spread)) } } } }
+        @if key && place == 0 { th.key-name scope="row" { (cell.text)
+            @if !cell.spread.is_empty() { br; span.meaning { (marked(&cell.spread)) } }
+        } }
         @else if key { td.key-name { (cell.text) } }
         @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
         @else if column.content == Content::Numbers { td.n { (content(cell)) } }
@@ -69,50 +57,9 @@ pub(super) fn content(cell: &Cell) -> Markup {
     }
 }
 
-/// A line of plain text in which words between backticks become code.
-pub(super) fn with_code(line: &str) -> Markup {
-    let parts = line.split('`').enumerate();
-    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (marked(part)) } } }
-}
-
-/// A terminal text with typeset signs: an en dash for a missing value, minus signs before digits.
-pub(super) fn typeset(text: &str) -> String {
-    if text == "-" {
-        return "\u{2013}".to_owned();
-    }
-    let text = TYPESET
-        .iter()
-        .fold(text.to_owned(), |text, (plain, set)| text.replace(plain, set));
-    let mut set = String::with_capacity(text.len());
-    let mut letters = text.chars().peekable();
-    let mut before = ' ';
-    while let Some(letter) = letters.next() {
-        let number = letters.peek().is_some_and(char::is_ascii_digit);
-        let sign = letter == '-' && number && matches!(before, ' ' | '(' | '/');
-        set.push(if sign { '\u{2212}' } else { letter });
-        before = letter;
-    }
-    set
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn signs_are_set_and_names_stay() {
-        for (plain, set) in [
-            ("-", "\u{2013}"),
-            ("-0.4 .. +1.2", "\u{2212}0.4 .. +1.2"),
-            ("+-0.3", "\u{b1}0.3"),
-            ("<= 92.00", "\u{2264} 92.00"),
-            ("-1.0 / -2.0", "\u{2212}1.0 / \u{2212}2.0"),
-            ("n80cb-2", "n80cb-2"),
-            ("variance 2.0 dB2", "variance 2.0 dB\u{b2}"),
-        ] {
-            assert_eq!(typeset(plain), set);
-        }
-    }
 
     #[test]
     fn every_row_has_a_cell_for_each_column() {

@@ -10,9 +10,9 @@
 //! tip and head:     limit f_tip, f_head,  Z = 3.4 a^2 rho c_s/(1 - nu), nu = 0.4, a the radius       (J. Lysmer, 1965)
 //! ```
 //!
-//! After the first contact the nail runs ahead of the rod, the wood slows it, and the rod strikes it again, some tens of
-//! times in a shot. The times of the last strikes depend on details: bands of the force above 6 kHz differ by some 3 dB
-//! between numbers of elements, those below 5 kHz by 1 dB.
+//! After the first contact the nail runs ahead of the rod, the wood slows it, and the rod strikes it again, some tens
+//! of times in a shot. The times of the last strikes depend on details: bands of the force above 6 kHz differ by some 3
+//! dB between numbers of elements, those below 5 kHz by 1 dB.
 //!
 //! The grips share the unloading stiffness k_u of the cycle in proportion to their limits, so that a rigid nail unloads
 //! as in the cycle.
@@ -40,8 +40,8 @@ const VISCOSITY: f64 = 0.2;
 /// c dt/h of the nail's elements; the viscosity lowers the limit of stability to 0.82.
 const COURANT: f64 = 0.7;
 
-/// Time after the nail's stop for which the bars are followed, and the last part of it over which the force goes back to
-/// that of the cycle \[s\].
+/// Time after the nail's stop for which the bars are followed, and the last part of it over which the force goes back
+/// to that of the cycle \[s\].
 const AFTER_STOP: [f64; 2] = [1e-3, 0.3e-3];
 
 /// 3.4/(1 - nu) of a disc on an elastic half-space, for a Poisson's ratio of 0.4.

@@ -183,7 +183,8 @@ fn mean_density(design: &Design) -> Option<f64> {
 pub(crate) fn rigid_housing(design: &Design, engine: &Engine) -> Option<String> {
     let density = mean_density(design)?;
     Some(format!(
-        "the assembly names no forces on the surfaces of `{TOOL}`: it radiates as a rigid sphere of its mass, {:.2} kg, \
+        "the assembly names no forces on the surfaces of `{TOOL}`: it radiates as a rigid sphere of its mass, {:.2} \
+         kg, \
          at the mean density of the N80CB, {density:.0} kg/m3, which is a volume of {:.2} l",
         tool_mass(engine),
         1e3 * tool_volume(design, engine)

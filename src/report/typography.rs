@@ -1,0 +1,113 @@
+//! Typography of pages: signs, subscripts and code in texts that the terminal shows plain.
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::figures::subscripts;
+
+/// Characters in the terminal, and their typeset form on a page.
+const TYPESET: [(&str, &str); 10] = [
+    ("+-", "\u{b1}"),
+    ("<= ", "\u{2264} "),
+    (">= ", "\u{2265} "),
+    ("dB2", "dB\u{b2}"),
+    ("Q2", "Q\u{b2}"),
+    (" m2", " m\u{b2}"),
+    ("mm2", "mm\u{b2}"),
+    ("cm3", "cm\u{b3}"),
+    ("/m3", "/m\u{b3}"),
+    (" um", " \u{b5}m"),
+];
+
+/// A text with the signs of a page, and with the subscripts of `L_{WA}`, `L_WA,1s` or `N_max` set low.
+pub(super) fn marked(text: &str) -> Markup {
+    let set = symbols(&typeset(text));
+    let escaped = html! { (set) }.into_string();
+    PreEscaped(subscripts(&escaped, "<sub>", "</sub>"))
+}
+
+/// A text whose symbols of one letter and `_` have their subscript in braces: `L_{WA,1s}` for `L_WA,1s`. Names of keys
+/// and files, which have more letters before the sign or a full stop, stay as they are.
+fn symbols(text: &str) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    let part_of_word = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '.' | '}');
+    let mut set = String::with_capacity(text.len());
+    let mut at = 0;
+    while at < letters.len() {
+        let alone = letters[at].is_ascii_alphabetic() && (at == 0 || !part_of_word(letters[at - 1]));
+        let end = (at + 2..letters.len()).find(|&end| {
+            let comma = letters[end] == ',' && letters.get(end + 1).is_some_and(|next| next.is_alphanumeric());
+            !(letters[end].is_alphanumeric() || comma)
+        });
+        let end = end.unwrap_or(letters.len());
+        if alone && letters.get(at + 1) == Some(&'_') && end > at + 2 {
+            let below: String = letters[at + 2..end].iter().collect();
+            set.push_str(&format!("{}_{{{below}}}", letters[at]));
+            at = end;
+        } else {
+            set.push(letters[at]);
+            at += 1;
+        }
+    }
+    set
+}
+
+/// A line of plain text in which words between backticks become code.
+pub(super) fn with_code(line: &str) -> Markup {
+    let parts = line.split('`').enumerate();
+    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (marked(part)) } } }
+}
+
+/// A terminal text with typeset signs: an en dash for a missing value, minus signs before digits.
+pub(super) fn typeset(text: &str) -> String {
+    if text == "-" {
+        return "\u{2013}".to_owned();
+    }
+    let text = TYPESET
+        .iter()
+        .fold(text.to_owned(), |text, (plain, set)| text.replace(plain, set));
+    let mut set = String::with_capacity(text.len());
+    let mut letters = text.chars().peekable();
+    let mut before = ' ';
+    while let Some(letter) = letters.next() {
+        let number = letters.peek().is_some_and(char::is_ascii_digit);
+        let sign = letter == '-' && number && matches!(before, ' ' | '(' | '/');
+        set.push(if sign { '\u{2212}' } else { letter });
+        before = letter;
+    }
+    set
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_are_set_and_names_stay() {
+        for (plain, set) in [
+            ("-", "\u{2013}"),
+            ("-0.4 .. +1.2", "\u{2212}0.4 .. +1.2"),
+            ("+-0.3", "\u{b1}0.3"),
+            ("<= 92.00", "\u{2264} 92.00"),
+            ("-1.0 / -2.0", "\u{2212}1.0 / \u{2212}2.0"),
+            ("n80cb-2", "n80cb-2"),
+            ("variance 2.0 dB2", "variance 2.0 dB\u{b2}"),
+        ] {
+            assert_eq!(typeset(plain), set);
+        }
+    }
+
+    #[test]
+    fn symbols_have_subscripts_and_keys_have_none() {
+        for (plain, set) in [
+            (
+                "L_WA,1s 102 dB, L_pC,peak",
+                "L<sub>WA,1s</sub> 102 dB, L<sub>pC,peak</sub>",
+            ),
+            ("L_{WA,1s} +-0.3", "L<sub>WA,1s</sub> \u{b1}0.3"),
+            ("N_max < 3", "N<sub>max</sub> &lt; 3"),
+            ("wood.elastic.e_r, hose_area, a_", "wood.elastic.e_r, hose_area, a_"),
+        ] {
+            assert_eq!(marked(plain).into_string(), set);
+        }
+    }
+}
