@@ -200,8 +200,9 @@ group! {
         holes: u32 = Kind::Count(10_000), "n";
         /// Diameter of one hole.
         hole_diameter: f64 = positive(LENGTH), "d";
-        /// Discharge coefficient of the holes, and of the valve's seat before them.
-        discharge_coefficient: f64 = fraction().within(0.01, 1.0), "C_d";
+        /// Discharge coefficient of the holes, and of the valve's seat before them; 0 in a design for that of the other
+        /// passages.
+        discharge_coefficient: f64 = fraction(), "C_d";
         /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood.
         thrust_share: f64 = component(), "";
     }

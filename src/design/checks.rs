@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 
 use nailnoise_acoustics::muffler::plane_wave_limit;
 use nailnoise_acoustics::signals::{Band, THIRD_OCTAVES};
+use nailnoise_dynamics::BlowModel;
 
 use super::conflict::{Conflict, SAMPLES, SPRING_LIMIT};
 use super::groups::*;
@@ -28,8 +29,9 @@ impl Values {
 }
 
 /// Applies the rules in order; the first violation is reported.
-const RULES: [fn(&Values) -> Result<(), Conflict>; 11] = [
+const RULES: [fn(&Values) -> Result<(), Conflict>; 12] = [
     nail,
+    blow,
     tool,
     exhaust,
     |v| friction("piston.friction", &v.piston.friction),
@@ -41,6 +43,14 @@ const RULES: [fn(&Values) -> Result<(), Conflict>; 11] = [
     |v| elastic("wood.elastic", &v.wood.elastic.axes()),
     analysis,
 ];
+
+fn blow(v: &Values) -> Result<(), Conflict> {
+    let elastic = v.model.blow == BlowModel::Elastic;
+    refuse(
+        elastic && v.support.coupling == Coupling::TwoWay,
+        Conflict::ElasticTwoWay,
+    )
+}
 
 fn nail(v: &Values) -> Result<(), Conflict> {
     let (length, thickness) = (v.nail.length, v.workpiece.thickness);

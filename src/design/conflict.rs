@@ -23,6 +23,9 @@ pub enum Conflict {
     /// A board requires the built-in block.
     #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
     BoardOnMesh,
+    /// The blow as elastic bars needs a cycle that is complete before the structures respond.
+    #[error("`model.blow = \"elastic\"` acts on bodies that respond one way, and `support.coupling` is \"two-way\"")]
+    ElasticTwoWay,
     /// The head of the waiting nail would be above the end of the rod.
     #[error(
         "`nail.feed_height` ({}) must be below `piston.stroke` less `piston.rod_protrusion` ({})",
@@ -246,6 +249,7 @@ impl Conflict {
     pub fn keys(&self) -> Vec<&'static str> {
         match self {
             Self::NailLongerThanBlock { .. } => vec!["nail.length", "workpiece.thickness"],
+            Self::ElasticTwoWay => vec!["model.blow", "support.coupling"],
             Self::BoardOnMesh => vec!["workpiece.board.thickness", "workpiece.mesh"],
             Self::NailAboveRod { .. } => vec!["nail.feed_height", "piston.rod_protrusion", "piston.stroke"],
             Self::Order { small, large, .. } => [keys_of(small), keys_of(large)].concat(),
@@ -293,6 +297,7 @@ impl Conflict {
             Self::NailLongerThanBlock { .. } => {
                 "shorten `nail.length` or raise `workpiece.thickness`: the point must stay in the wood".to_owned()
             }
+            Self::ElasticTwoWay => "set `support.coupling = \"one-way\"`, or `model.blow = \"rigid\"`".to_owned(),
             Self::BoardOnMesh => "set `workpiece.board.thickness` to 0, or remove `workpiece.mesh`".to_owned(),
             Self::NailAboveRod { .. } => {
                 "lower `nail.feed_height` or `piston.rod_protrusion`, or raise `piston.stroke`: the rod \

@@ -4,8 +4,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use maud::{Markup, html};
 
+use super::tables;
 use super::typography::{marked, with_code};
-use super::{table, tables};
 use crate::design::{Design, Value};
 use crate::model::supports;
 use crate::result::{Ends, RankedSource, RunResult, StudySummary};

@@ -640,6 +640,7 @@ const BAD: &[(&str, usize, &str, &str)] = &[
     ("derived-area", 3, "exhaust.area", "change `exhaust.holes`, `exhaust.hole_diameter`"),
     ("derived-mass", 4, "workpiece.mass", "`wood.density`"),
     ("elastic", 4, "wood.elastic", "Poisson"),
+    ("elastic-two-way", 4, "model.blow", "`model.blow = \"rigid\"`"),
     ("gaps", 3, "nail.head_gap", "`nail.feed_height`"),
     ("gauge-ambient", 3, "ambient.pressure", "absolute"),
     ("group-as-value", 3, "supply", "[supply]"),

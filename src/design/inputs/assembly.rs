@@ -6,8 +6,9 @@ use std::path::Path;
 use nailnoise_dynamics::network::{Assembly, AssemblyText, KeyValue, Numerics, Resolved};
 use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 use nailnoise_quantities::Group as _;
-use nailnoise_quantities::dimension::{DAMPING, STIFFNESS};
+use nailnoise_quantities::dimension::{DAMPING, NUMBER, STIFFNESS};
 
+use super::cycle::exhaust_discharge_coefficient;
 use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, refused_assembly};
 use crate::error::Error;
 use crate::model::supports;
@@ -88,7 +89,7 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
 /// A key with a value that the assembly does not follow, and what to do instead.
 fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
     if design.support.coupling == Coupling::TwoWay {
-        let remedy = "set `support.coupling = \"one_way\"`: an assembly drives workpiece and support one way";
+        let remedy = "set `support.coupling = \"one-way\"`: an assembly drives workpiece and support one way";
         return Some(("support.coupling".to_owned(), remedy));
     }
     let muffler = "exhaust.muffler.kind";
@@ -108,6 +109,11 @@ fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str
             ("wood.penetration_law", _) if own_law => {
                 "give the law of the fastener in the assembly: `law = { kind = \"constant\", force = .. }` or \
                  `law = { kind = \"table\", .. }`"
+            }
+            ("wood.rate", Value::Choice("speed"))
+            | ("wood.head_law", Value::Choice("yields"))
+            | ("model.blow", Value::Choice("elastic")) => {
+                "remove it: only the cycle of the keys follows it, unless a formula of the assembly reads the key"
             }
             _ => return,
         };
@@ -225,6 +231,11 @@ pub(crate) fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error>
     ] {
         keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
     }
+    let exhaust = KeyValue::Quantity {
+        si: exhaust_discharge_coefficient(design),
+        dimension: NUMBER,
+    };
+    keys.insert("exhaust.discharge_coefficient".to_owned(), exhaust);
     for (path, si, dimension) in design.set_literals() {
         keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
     }

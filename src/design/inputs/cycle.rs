@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use nailnoise_dynamics as dynamics;
+use nailnoise_dynamics::BlowModel;
 use nailnoise_penetration::fit::{Conditions, Driving, FittedLaw};
-use nailnoise_penetration::{ResistanceLaw, Specimen};
+use nailnoise_penetration::{HeadLaw, NailedWood, RateLaw, ResistanceLaw, Specimen};
 
 use crate::design::{Design, MufflerKind};
 use crate::error::Error;
@@ -33,14 +34,17 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
     let muffler = &design.exhaust.muffler;
     Ok(dynamics::Parameters {
         supply: design.supply.clone(),
-        piston: design.piston.clone(),
+        piston: piston(design),
         head_valve: design.head_valve.clone(),
         chambers: design.chambers.clone(),
-        exhaust: design.exhaust.cycle.clone(),
+        exhaust: dynamics::Exhaust {
+            discharge_coefficient: exhaust_discharge_coefficient(design),
+            ..design.exhaust.cycle.clone()
+        },
         muffler_area: (muffler.kind != MufflerKind::None).then_some(muffler.flow_area),
         trigger: design.trigger.clone(),
         nail: design.nail.cycle.clone(),
-        wood: design.wood.cycle.clone(),
+        wood: wood(design),
         friction_share: design.wood.friction_share,
         penetration_table: None,
         penetration_fit: fitted_law(design)?,
@@ -52,6 +56,43 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         ambient: design.ambient.clone(),
         model: design.model.clone(),
     })
+}
+
+/// Discharge coefficient of the exhaust's holes: that of the other passages unless the design gives one.
+pub(crate) fn exhaust_discharge_coefficient(design: &Design) -> f64 {
+    match design.exhaust.discharge_coefficient {
+        0.0 => design.chambers.discharge_coefficient,
+        own => own,
+    }
+}
+
+/// The piston without the values that only an elastic blow uses, if the blow is rigid. What a cycle does not use is not
+/// part of its key, so that no study draws it.
+fn piston(design: &Design) -> dynamics::Piston {
+    let mut piston = design.piston.clone();
+    if design.model.blow == BlowModel::Rigid {
+        piston.rod_length = 0.0;
+        piston.rod_modulus = 0.0;
+    }
+    piston
+}
+
+/// The wood without the values of laws that the design does not use, as [`piston`].
+fn wood(design: &Design) -> NailedWood {
+    let mut wood = design.wood.cycle.clone();
+    if design.model.blow == BlowModel::Rigid {
+        wood.shear_speed = 0.0;
+    }
+    if wood.rate == RateLaw::None {
+        wood.crushing_rate = 0.0;
+        wood.friction_at_rest = 0.0;
+        wood.friction_sliding = 0.0;
+        wood.friction_speed = 0.0;
+    }
+    if wood.head_law == HeadLaw::Linear {
+        wood.head_yield_scale = 0.0;
+    }
+    wood
 }
 
 /// The fitted penetration law of a design, if the design uses one.
