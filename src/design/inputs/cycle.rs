@@ -66,13 +66,18 @@ pub(crate) fn exhaust_discharge_coefficient(design: &Design) -> f64 {
     }
 }
 
+/// Valid values of what a cycle does not use \[m\], \[Pa\], \[m/s\].
+const UNUSED_LENGTH: f64 = 1.0;
+const UNUSED_MODULUS: f64 = 2e11;
+const UNUSED_SPEED: f64 = 1000.0;
+
 /// The piston without the values that only an elastic blow uses, if the blow is rigid. What a cycle does not use is not
 /// part of its key, so that no study draws it.
 fn piston(design: &Design) -> dynamics::Piston {
     let mut piston = design.piston.clone();
     if design.model.blow == BlowModel::Rigid {
-        piston.rod_length = 0.0;
-        piston.rod_modulus = 0.0;
+        piston.rod_length = UNUSED_LENGTH;
+        piston.rod_modulus = UNUSED_MODULUS;
     }
     piston
 }
@@ -81,16 +86,16 @@ fn piston(design: &Design) -> dynamics::Piston {
 fn wood(design: &Design) -> NailedWood {
     let mut wood = design.wood.cycle.clone();
     if design.model.blow == BlowModel::Rigid {
-        wood.shear_speed = 0.0;
+        wood.shear_speed = UNUSED_SPEED;
     }
     if wood.rate == RateLaw::None {
         wood.crushing_rate = 0.0;
-        wood.friction_at_rest = 0.0;
-        wood.friction_sliding = 0.0;
-        wood.friction_speed = 0.0;
+        wood.friction_at_rest = 1.0;
+        wood.friction_sliding = 1.0;
+        wood.friction_speed = 1.0;
     }
     if wood.head_law == HeadLaw::Linear {
-        wood.head_yield_scale = 0.0;
+        wood.head_yield_scale = 1.0;
     }
     wood
 }
