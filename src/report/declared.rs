@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::typography::marked;
+use super::typography::{marked, with_code};
 use crate::declaration;
 use crate::result::{RunResult, SourceLoudness};
 
@@ -13,7 +13,7 @@ pub(super) fn section(result: &RunResult) -> Markup {
     html! {
         h3 { "Levels for a declaration (ISO 4871, EN 12549)" }
         ul.notes {
-            @for line in declaration::lines(&result.declaration, ear) { li { (marked(&line)) } }
+            @for line in declaration::lines(&result.declaration, ear) { li { (with_code(&line)) } }
             @if let Some(basis) = &result.declaration.k_basis { li { "sigma: " (basis) } }
             @if let Some(reason) = &result.declaration.k_not_stated { li { "K is not stated: " (reason) } }
             @if !ear.loudness.is_empty() { li { (marked(&loudness(&ear.loudness))) } }

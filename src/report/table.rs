@@ -42,7 +42,7 @@ fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
 
 /// The content of a cell.
 pub(super) fn content(cell: &Cell) -> Markup {
-    let text = marked(&cell.text);
+    let text = with_code(&cell.text);
     html! {
         @if let Some(place) = cell.dot { span class={ "dot c" (place) } {} }
         @if let Some(bar) = cell.bar {
