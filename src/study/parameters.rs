@@ -6,6 +6,7 @@ use super::normal;
 use crate::chain::engine;
 use crate::design::{Design, Distribution, Entry, Provenance, Value};
 use crate::error::Error;
+use crate::stages::cycle::Engine;
 
 /// Number of standard deviations at which a normal distribution is truncated.
 pub(crate) const CUT: f64 = 3.0;
@@ -218,12 +219,17 @@ impl Parameter {
 /// If the values of the design do not yield valid inputs.
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
     let base = engine(design)?;
+    let is_same = |other: &Engine| match (&base, other) {
+        (Engine::Keys(base), Engine::Keys(other)) => base.parameters == other.parameters,
+        (Engine::Assembly(base), Engine::Assembly(other)) => base.assembly == other.assembly,
+        _ => false,
+    };
     let takes_part = |parameter: &Parameter| {
         let [low, high] = parameter.range;
         let other = if low == parameter.number() { high } else { low };
         let mut changed = design.clone();
         changed.set(&[(parameter.change(), parameter.hold(other))]).is_ok()
-            && engine(&changed).is_ok_and(|engine| engine != base)
+            && engine(&changed).is_ok_and(|engine| !is_same(&engine))
     };
     let parameters = Parameter::all(design).into_iter().map(|(parameter, _)| parameter);
     Ok(parameters.filter(takes_part).collect())

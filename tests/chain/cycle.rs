@@ -53,10 +53,14 @@ fn every_number_of_the_tool_reaches_the_model() {
         let structural = STRUCTURES.iter().any(|own| entry.key.starts_with(own));
         let Value::Number(value) = entry.value else { continue };
         // A law's own force acts with that law.
-        let law = if entry.key == "wood.penetration_force" {
-            "wood.penetration_law = \"constant\""
-        } else {
-            ""
+        let law = match entry.key.as_str() {
+            "wood.penetration_force" => "wood.penetration_law = \"constant\"",
+            "wood.crushing_rate" | "wood.friction_at_rest" | "wood.friction_sliding" | "wood.friction_speed" => {
+                "wood.rate = \"speed\""
+            }
+            "wood.head_yield_scale" => "wood.head_law = \"yields\"",
+            "wood.shear_speed" | "piston.rod_length" | "piston.rod_modulus" => "model.blow = \"elastic\"",
+            _ => "",
         };
         if structural || !(GROUPS.contains(&group) || entry.key == "support.worktable.stiffness") {
             continue;
