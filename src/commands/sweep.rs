@@ -218,13 +218,13 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let header = header.chain(["L_WA,1s total [dB]", "outcome", "refused"].map(str::to_owned));
     let with_films = points.iter().any(|point| point.folder.is_some());
     let header = header.chain(with_films.then(|| "folder".to_owned()));
-    let header = header.chain(PERFORMANCE.map(str::to_owned));
     let drawn = points.iter().find_map(|point| point.drawn.as_ref());
     let quantiles = |own: &Quantiles| [own.p05, own.p50, own.p95].map(|own| own.value);
     let header = header.chain(drawn.into_iter().flatten().flat_map(|change| {
         let of = |what: &str| ["P5", "P50", "P95"].map(|p| format!("{what} {} {p} [dB]", change.source));
         [of("L_WA,1s"), of("change of")].concat()
     }));
+    let header = header.chain(PERFORMANCE.map(str::to_owned));
     let widths = drawn.map_or(0, |drawn| 6 * drawn.len());
     let decibels = |level: Option<f64>| level.map_or_else(String::new, |level| format!("{level:.4}"));
     let row = |point: &SweptPoint| {
@@ -235,7 +235,6 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
         cells
             .chain([decibels(point.total_db), outcome, point.refused.clone()])
             .chain(with_films.then(|| point.folder.clone().unwrap_or_default()))
-            .chain(performance(point))
             .chain(match &point.drawn {
                 None => vec![String::new(); widths],
                 Some(drawn) => drawn
@@ -244,6 +243,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
                     .map(decibels)
                     .collect(),
             })
+            .chain(performance(point))
             .collect::<Vec<_>>()
     };
     output::table(header, points.iter().map(row))

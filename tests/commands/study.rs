@@ -471,11 +471,20 @@ fn every_file_of_a_run_states_the_study_that_serves_it() {
             let cells: Vec<&str> = row.split(',').skip(5).collect();
             let number =
                 |key: &str, digits: usize| own[key].as_f64().map_or_else(String::new, |x| format!("{x:.digits$}"));
+            let silencing = |end: usize| {
+                let fall = own["silencing_db"][end].as_f64();
+                fall.map_or_else(String::new, |fall| format!("{fall:.3}"))
+            };
             let expected = [
                 number("low_db", 3),
                 number("high_db", 3),
                 number("first", 4),
                 draws.to_string(),
+                silencing(0),
+                silencing(1),
+                // K is stated for studies of enough draws.
+                String::new(),
+                "drives".to_owned(),
             ];
             assert_eq!(cells, expected, "{name}");
         }
