@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, Support, SupportDamping, Trigger};
+use crate::{Ambient, Block, Chambers, Exhaust, HeadValve, Nail, Parameters, Piston, Support, SupportDamping, Trigger};
 
 /// Derived quantities of a design (SI).
 ///
@@ -125,6 +125,14 @@ impl Exhaust {
     /// A_ma = n pi/4 d^2, total area of the holes \[m2\].
     pub fn area(&self) -> f64 {
         f64::from(self.holes) * disc(self.hole_diameter)
+    }
+
+    /// C_d of the holes; that of the other passages if the design leaves it at 0.
+    pub fn coefficient(&self, others: &Chambers) -> f64 {
+        match self.discharge_coefficient {
+            0.0 => others.discharge_coefficient,
+            own => own,
+        }
     }
 }
 

@@ -173,7 +173,7 @@ fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let record = chain::cycle(&design).unwrap();
     let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap();
     let d = design.exhaust.hole_diameter;
-    let area = design.chambers.discharge_coefficient * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
+    let area = design.exhaust.coefficient(&design.chambers) * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
     let flow = &record.exhaust;
     let (mut jets, mut cycle) = ([0.0; 2], [0.0; 2]);
     for i in 0..flow.mass_flow.len() {

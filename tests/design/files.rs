@@ -174,10 +174,8 @@ fn every_number_of_the_cycle_has_a_range() {
     let followers: Vec<&str> = base.drawn_derived().map(|(_, solution)| solution.follower).collect();
     for (key, entry) in entries(&base) {
         let group = key.split('.').next().unwrap();
-        // A bright nail has no coat.
-        let fixed = matches!(entry.provenance, Provenance::Constant | Provenance::Decided)
-            || followers.contains(&key.as_str())
-            || key == "nail.coating";
+        let fixed =
+            matches!(entry.provenance, Provenance::Constant | Provenance::Decided) || followers.contains(&key.as_str());
         if groups.contains(&group) && matches!(entry.value, Value::Number(_)) && !fixed && !key.contains(".muffler.") {
             assert!(entry.range.is_some(), "{key} has no range");
         }

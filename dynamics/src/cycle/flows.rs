@@ -130,7 +130,7 @@ impl System {
         let mass = self.outward(mass);
         let share = self.p.exhaust.thrust_share;
         let thrust = if share != 0.0 && mass.value() > 0.0 {
-            let holes = self.p.exhaust.discharge_coefficient * self.exhaust_area;
+            let holes = self.p.exhaust.coefficient(&self.p.chambers) * self.exhaust_area;
             match self.p.muffler_area {
                 // The air leaves the tool at the end of the muffler.
                 Some(area) => self.air.thrust(behind, ambient.pressure) * (share * area),
@@ -248,14 +248,14 @@ impl System {
     /// Area of the muffler referred to the coefficient of the holes, A_s = (C A_s)/C_d \[m2\].
     fn muffler(&self) -> Option<f64> {
         let area = self.p.muffler_area?;
-        Some(area / self.p.exhaust.discharge_coefficient)
+        Some(area / self.p.exhaust.coefficient(&self.p.chambers))
     }
 
     /// Flow 1 -> atmosphere through valve seat, holes and muffler in series, with P_m upstream and P_s downstream of
     /// the holes (C-15, C-16).
     fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>, near: Option<f64>) -> (S, [S; 2]) {
         let valve = &self.p.head_valve;
-        let cd = self.p.exhaust.discharge_coefficient;
+        let cd = self.p.exhaust.coefficient(&self.p.chambers);
         let seat = Self::seat_area(opening, self.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
         let outward = from.pressure.value() >= ambient.pressure.value();
         let (up, down) = if outward { (from, ambient) } else { (ambient, from) };

@@ -129,7 +129,7 @@ fn passages_have_their_areas_coefficients_and_delays() {
     let cd = p.chambers.discharge_coefficient;
     all_same(&[
         ("A_ma", constant("exhaust").0, g.exhaust_area),
-        ("C_d", constant("exhaust").1, p.exhaust.discharge_coefficient),
+        ("C_d", constant("exhaust").1, p.exhaust.coefficient(&p.chambers)),
         ("C_d of the check", constant("check").1, cd),
         ("A_1r", constant("check").0, p.chambers.check_hole_area),
         ("A_2r", constant("foot").0, p.chambers.return_hole_area),

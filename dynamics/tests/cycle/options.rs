@@ -167,7 +167,7 @@ fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
     internal_forces_cancel(&p, &r);
     let g: f64 = p.ambient.heat_capacity_ratio;
     let (rg, pa) = (p.ambient.gas_constant, p.ambient.pressure);
-    let area = p.exhaust.discharge_coefficient * Geometry::new(&p).exhaust_area;
+    let area = p.exhaust.coefficient(&p.chambers) * Geometry::new(&p).exhaust_area;
     let critical = (2.0 / (g + 1.0)).powf(g / (g - 1.0));
     let mut tried = [0; 2];
     for i in (0..r.len()).filter(|i| r.exhaust.plenum_pressure[*i] > 1.01 * pa && r.exhaust.mass_flow[*i] > 0.0) {

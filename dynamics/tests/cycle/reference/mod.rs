@@ -302,7 +302,7 @@ impl Model {
         } else {
             (0.0, 0.0)
         };
-        let cd = p.exhaust.discharge_coefficient;
+        let cd = p.exhaust.coefficient(&p.chambers);
         let cp = air.heat_capacity_ratio * air.gas_constant / (air.heat_capacity_ratio - 1.0);
         let opening = v.exhaust_lap - s;
         let (mx, hx, thrust) = if opening > 0.0 && pr[0] != pa {

@@ -11,7 +11,6 @@ use nailnoise_dynamics::network::assembly::{self, Coefficient};
 use super::super::housing::sound::NAME as HOUSING;
 use super::sound::{ExhaustOutlet, Muffler, NoisyOpening, Openings, round};
 use crate::design::inputs::air;
-use crate::design::inputs::cycle::exhaust_discharge_coefficient;
 use crate::design::inputs::microphones::{on_axis, tool_height};
 use crate::design::{self, Convention, Design, FittingKind, MufflerKind, VentSource};
 use crate::error::Error;
@@ -41,7 +40,7 @@ fn of_keys(design: &Design) -> Result<Vec<NoisyOpening>, Error> {
     let holes = Opening {
         count: own.holes as usize,
         diameter: own.hole_diameter,
-        discharge_coefficient: exhaust_discharge_coefficient(design),
+        discharge_coefficient: own.coefficient(&design.chambers),
         pitch: Some(own.pitch),
     };
     holes.check_area(own.area())?;
