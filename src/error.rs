@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::comparison::ComparisonError;
 use crate::design::DesignError;
 use crate::stages::bodies::BodyError;
+use crate::stages::radiation::SurfaceError;
 use crate::study::StudyError;
 
 /// Reason why a command failed.
@@ -180,6 +181,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Body(#[from] BodyError),
+    /// The radiation of a surface cannot be computed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Surface(#[from] SurfaceError),
     /// Several faults, each of which prevents a run from using a body.
     #[error("the {body} cannot be used: {} problems", problems.len())]
     #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]

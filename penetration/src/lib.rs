@@ -24,6 +24,7 @@ mod penetration_curve;
 mod rate;
 mod resistance;
 mod resistance_law;
+mod shanks;
 mod table;
 mod tables;
 mod wood;
@@ -34,12 +35,13 @@ pub use error::RangeError;
 pub use extension::LENGTH_FACTOR;
 pub use law::{Curve, PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
-pub use rate::{HeadContact, HeadLaw, RateLaw};
-pub use resistance::{Driven, Resistance, Shanks};
+pub use rate::HeadContact;
+pub use resistance::{Driven, Resistance};
 pub use resistance_law::ResistanceLaw;
+pub use shanks::Shanks;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
-pub use wood::{NailedWood, Wood};
+pub use wood::{HeadLaw, NailedWood, RateLaw, Wood};
 
 /// Lowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].
 pub const LOWEST_SPEED: f64 = 20e-3 / 60.0;

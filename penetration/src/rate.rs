@@ -1,29 +1,9 @@
 //! Dependence of the resistance on speed, and the force under the nail's head.
 
-use nailnoise_quantities::choice;
-
+use super::REFERENCE_SPEED;
 use super::dual::Real;
-use super::{NailedWood, REFERENCE_SPEED, Shanks};
-
-choice! {
-    /// Dependence of the penetration resistance on the nail's speed.
-    RateLaw {
-        /// None: the quasi-static law at every speed.
-        None = "none",
-        /// Friction falls with speed, crushing strength rises with it.
-        Speed = "speed",
-    }
-}
-
-choice! {
-    /// Force under the nail's head as it sinks into the wood.
-    HeadLaw {
-        /// A linear spring.
-        Linear = "linear",
-        /// A spring that yields at the pull-through resistance of the head.
-        Yields = "yields",
-    }
-}
+use super::shanks::Shanks;
+use super::wood::{HeadLaw, NailedWood, RateLaw};
 
 /// Split of a quasi-static resistance F(z) into friction along the shank and deformation at the tip, each with its
 /// dependence on the speed v.

@@ -1,9 +1,29 @@
 //! Wood properties used by the laws.
 
 use nailnoise_quantities::dimension::{DENSITY, FORCE, NUMBER, STIFFNESS, VELOCITY, VELOCITY_SQUARED};
-use nailnoise_quantities::{any, group, nonnegative, positive};
+use nailnoise_quantities::{any, choice, group, nonnegative, positive};
 
-use super::{HeadLaw, RateLaw, ResistanceLaw};
+use super::ResistanceLaw;
+
+choice! {
+    /// Dependence of the penetration resistance on the nail's speed.
+    RateLaw {
+        /// None: the quasi-static law at every speed.
+        None = "none",
+        /// Friction falls with speed, crushing strength rises with it.
+        Speed = "speed",
+    }
+}
+
+choice! {
+    /// Force under the nail's head as it sinks into the wood.
+    HeadLaw {
+        /// A linear spring.
+        Linear = "linear",
+        /// A spring that yields at the pull-through resistance of the head.
+        Yields = "yields",
+    }
+}
 
 group! {
     /// The wood as the nail meets it.

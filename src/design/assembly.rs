@@ -6,16 +6,21 @@ use std::sync::Arc;
 
 use nailnoise_documents::Document;
 use nailnoise_dynamics::network::{AssemblyError, AssemblyText, BUILT_IN, KeyValue, Literal};
-use nailnoise_quantities::{Dimension, Kind, Value};
+use nailnoise_quantities::dimension::{DAMPING, NUMBER, STIFFNESS};
+use nailnoise_quantities::{Dimension, Group as _, Kind, Value};
 
 use super::distribution::Distribution;
 use super::entry::Entry;
 use super::error::{DesignError, Problem};
-use super::inputs::assembly::loads_housing;
+use super::groups::Values;
 use super::provenance::Provenance;
 use super::range::RangeOrigin;
 use super::set::SetError;
 use super::source::File;
+use crate::error::Error;
+use crate::model::supports;
+use crate::stages::bodies::tool_loads::AXIAL_SURFACES;
+use crate::stages::cycle::TOOL;
 
 /// Groups of keys that only the cycle reads: an assembly uses those that its formulas name.
 const OF_CYCLE: [&str; 10] = [
@@ -46,15 +51,15 @@ const OF_PLACE: [&str; 9] = [
 
 /// The assembly of a design, with the literals that a program set.
 #[derive(Debug, Clone)]
-pub(super) struct OwnAssembly {
+pub(super) struct DesignAssembly {
     /// Shared, because a study makes thousands of designs that differ only in values.
-    read: Arc<ReadAssembly>,
+    read: Arc<EvaluatedAssembly>,
     /// Literals that were set since it was read \[SI\].
     set: BTreeMap<String, f64>,
 }
 
 #[derive(Debug, Clone)]
-struct ReadAssembly {
+struct EvaluatedAssembly {
     text: AssemblyText,
     /// Its numbers, which are keys.
     literals: Vec<Literal>,
@@ -64,10 +69,10 @@ struct ReadAssembly {
     loads_housing: bool,
 }
 
-impl OwnAssembly {
+impl DesignAssembly {
     pub(super) fn new(text: AssemblyText) -> Self {
         Self {
-            read: Arc::new(ReadAssembly {
+            read: Arc::new(EvaluatedAssembly {
                 loads_housing: loads_housing(&text),
                 text,
                 literals: Vec::new(),
@@ -80,7 +85,7 @@ impl OwnAssembly {
     /// Evaluates the assembly with values of keys to find its literals and the keys that it uses.
     pub(super) fn read(&mut self, keys: &BTreeMap<String, KeyValue>) -> Result<(), DesignError> {
         let resolved = self.read.text.resolve(keys).map_err(refused)?;
-        self.read = Arc::new(ReadAssembly {
+        self.read = Arc::new(EvaluatedAssembly {
             loads_housing: self.read.loads_housing,
             text: self.read.text.clone(),
             literals: resolved.literals,
@@ -176,6 +181,41 @@ impl OwnAssembly {
     }
 }
 
+/// Whether the cycle gives the force on every surface of the housing.
+pub(crate) fn loads_housing(text: &AssemblyText) -> bool {
+    let surfaces = text.surfaces(TOOL);
+    AXIAL_SURFACES.iter().all(|own| surfaces.contains(own))
+}
+
+/// Values of all keys of a design and of the literals that were set, with `support.stiffness` and `support.damping` set
+/// to those of the chosen support.
+pub(super) fn keys<'k>(
+    values: &Values,
+    literals: impl Iterator<Item = (&'k str, f64, Dimension)>,
+) -> Result<BTreeMap<String, KeyValue>, Error> {
+    let mut keys = BTreeMap::new();
+    values.visit("", &mut |path, spec, value| {
+        keys.insert(path.to_owned(), KeyValue::of(spec, &value));
+    });
+    let support = supports::of(values).lumped()?;
+    let damping = support.dashpot(values.workpiece.block.mass(values.wood.density));
+    for (path, si, dimension) in [
+        ("support.stiffness", support.stiffness, STIFFNESS),
+        ("support.damping", damping, DAMPING),
+    ] {
+        keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
+    }
+    let exhaust = KeyValue::Quantity {
+        si: values.exhaust.coefficient(&values.chambers),
+        dimension: NUMBER,
+    };
+    keys.insert("exhaust.discharge_coefficient".to_owned(), exhaust);
+    for (path, si, dimension) in literals {
+        keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
+    }
+    Ok(keys)
+}
+
 /// Converts the error of an assembly to one of its design.
 pub(crate) fn refused(error: AssemblyError) -> DesignError {
     let at = error.at.clone();
@@ -246,14 +286,14 @@ pub(super) fn only_assembly(text: &AssemblyText, chain: &[File]) -> DesignError 
 
 /// Keys that an assembly adds to those of a design.
 #[derive(Debug, Default)]
-pub(crate) struct OwnKeys {
+pub(crate) struct AssemblyKeys {
     /// Whether there is an assembly.
     given: bool,
     /// Full names of the keys that it declares.
     declared: BTreeSet<String>,
 }
 
-impl OwnKeys {
+impl AssemblyKeys {
     pub(super) fn of(text: Option<&AssemblyText>) -> Self {
         Self {
             given: text.is_some(),

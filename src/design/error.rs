@@ -100,7 +100,7 @@ pub enum Problem {
     Assembly(Box<AssemblyError>),
     /// The design has its own assembly, but the command only supports tools described by keys.
     #[error("`[cycle]` describes the tool as the assembly \"{name}\"; this command computes only the tool of the keys")]
-    OwnAssembly {
+    DesignAssembly {
         /// Name of the assembly.
         name: String,
     },
@@ -477,7 +477,7 @@ impl Problem {
             Self::Replaced { successors, .. } => format!("give {successors}"),
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::Assembly(error) => error.help(),
-            Self::OwnAssembly { .. } => {
+            Self::DesignAssembly { .. } => {
                 "`check`, `cycle`, `run`, `compare`, `study` and `sweep` take assemblies; without `[cycle]` every \
                  command computes the tool of the keys"
                     .to_owned()
@@ -595,7 +595,7 @@ impl Problem {
             Self::Replaced { .. } => ["replaced", "replaced"],
             Self::UnknownGroup { .. } => ["unknown_group", "unknown group"],
             Self::Assembly(_) => ["assembly", "here"],
-            Self::OwnAssembly { .. } => ["own_assembly", "its own assembly"],
+            Self::DesignAssembly { .. } => ["own_assembly", "its own assembly"],
             Self::OnlyAssembly { .. } => ["only_assembly", "without a base"],
             Self::NotOfAssembly { .. } => ["not_of_assembly", "has no effect"],
             Self::BadName { .. } => ["bad_name", "no name"],

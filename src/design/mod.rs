@@ -56,7 +56,7 @@ use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use nailnoise_dynamics::network::AssemblyText;
+use nailnoise_dynamics::network::{AssemblyText, KeyValue};
 use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
@@ -87,8 +87,10 @@ pub use study::{Alternative, Correlation, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 pub use transducers::{Chamber, Transducer};
 
+use crate::error::Error;
 use crate::wording::hexadecimal;
-use assembly::OwnAssembly;
+use assembly::DesignAssembly;
+pub(crate) use assembly::loads_housing;
 use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
@@ -115,7 +117,7 @@ pub struct Design {
     study: StudySettings,
     report: ReportSettings,
     /// The network of its tables `[cycle]`; none for the tool of the keys.
-    assembly: Option<OwnAssembly>,
+    assembly: Option<DesignAssembly>,
     warnings: Vec<Warning>,
     /// Standard normal scores with which the fitted penetration law is drawn; empty for the fitted law itself.
     law_scores: Vec<f64>,
@@ -169,10 +171,7 @@ impl Design {
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        if assembly
-            .as_ref()
-            .is_some_and(|text| !inputs::assembly::loads_housing(text))
-        {
+        if assembly.as_ref().is_some_and(|text| !loads_housing(text)) {
             values.body.model = BodyModel::Rigid;
         }
         let mut design = Self {
@@ -183,11 +182,11 @@ impl Design {
             derived: Arc::new(derived),
             study,
             report,
-            assembly: assembly.map(OwnAssembly::new),
+            assembly: assembly.map(DesignAssembly::new),
             warnings,
             law_scores: Vec::new(),
         };
-        let read = inputs::assembly::keys(&design);
+        let read = design.assembly_keys();
         if let (Some(own), Ok(keys)) = (&mut design.assembly, read) {
             own.read(&keys)?;
         }
@@ -225,12 +224,20 @@ impl Design {
 
     /// Network given by the tables `[cycle]`; `None` for a design without such tables.
     pub fn assembly(&self) -> Option<&AssemblyText> {
-        self.assembly.as_ref().map(OwnAssembly::text)
+        self.assembly.as_ref().map(DesignAssembly::text)
+    }
+
+    /// Values of all keys and of the literals that were set, as the formulas of an assembly read them.
+    ///
+    /// # Errors
+    /// Values of the support that do not yield its stiffness.
+    pub(crate) fn assembly_keys(&self) -> Result<BTreeMap<String, KeyValue>, Error> {
+        assembly::keys(&self.values, self.set_literals())
     }
 
     /// Literals of its assembly that were set since it was read, by full name.
     pub(crate) fn set_literals(&self) -> impl Iterator<Item = (&str, f64, Dimension)> {
-        self.assembly.iter().flat_map(OwnAssembly::changed)
+        self.assembly.iter().flat_map(DesignAssembly::changed)
     }
 
     /// Sets keys and literals of an assembly by their full names, as [`Values::set`].
@@ -293,10 +300,10 @@ impl Design {
     /// Rejects a design with its own assembly, for operations that support only the built-in tool.
     ///
     /// # Errors
-    /// [`Problem::OwnAssembly`].
+    /// [`Problem::DesignAssembly`].
     pub(crate) fn refuse_assembly(&self) -> Result<(), DesignError> {
         let Some(text) = self.assembly() else { return Ok(()) };
-        Err(Problem::OwnAssembly {
+        Err(Problem::DesignAssembly {
             name: text.name().to_owned(),
         }
         .at(None))
@@ -500,7 +507,7 @@ impl Design {
                 line: place.line(),
             });
         });
-        entries.extend(self.assembly.iter().flat_map(OwnAssembly::entries));
+        entries.extend(self.assembly.iter().flat_map(DesignAssembly::entries));
         entries
     }
 

@@ -6,7 +6,7 @@ use nailnoise_acoustics::signals::band_containing;
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
-use super::assembly::{self, OwnKeys};
+use super::assembly::{self, AssemblyKeys};
 use super::catalogue::Names;
 use super::derived::{AGREEMENT, Derived};
 use super::derived_range::{DerivedRange, MergedDerived};
@@ -66,7 +66,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut studies = Vec::new();
     let mut report = ReportSettings::default();
     let assembly = assembly::of_chain(chain)?;
-    let own = OwnKeys::of(assembly.as_ref());
+    let own = AssemblyKeys::of(assembly.as_ref());
     let mut warnings = Vec::new();
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;

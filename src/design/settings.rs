@@ -10,7 +10,7 @@ use nailnoise_quantities::{
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::assembly::OwnKeys;
+use super::assembly::AssemblyKeys;
 use super::derived::Derived;
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
@@ -82,7 +82,7 @@ impl Layer {
         file: &File,
         table: &DeTable<'_>,
         root: &'static GroupSpec,
-        own: &OwnKeys,
+        own: &AssemblyKeys,
     ) -> Result<Self, DesignError> {
         let mut layer = Self::default();
         Reader { file, root, own }.group(table, root, "", &mut layer)?;
@@ -103,7 +103,7 @@ const NAMED: &[(&str, &str)] = &[
 struct Reader<'a> {
     file: &'a File,
     root: &'static GroupSpec,
-    own: &'a OwnKeys,
+    own: &'a AssemblyKeys,
 }
 
 impl Reader<'_> {

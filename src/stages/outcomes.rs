@@ -81,7 +81,7 @@ fn of_assembly(cycle: &AssembledCycle) -> ShotOutcome {
             ShotOutcome::Shot(ShotFigures {
                 mean_drive_speed: None,
                 penetration: shot.fastener_depth(),
-                exhaust_mass: shot.mass_out(),
+                exhaust_mass: shot.discharged_mass(),
                 outcome: shot.outcome,
             })
         }

@@ -63,7 +63,7 @@ fn result(folder: &Path) -> Value {
     serde_json::from_slice(&fs::read(folder.join("out/calibration/calibration.json")).unwrap()).unwrap()
 }
 
-fn verdicts(result: &Value) -> Vec<(bool, &str)> {
+fn measurement_outcomes(result: &Value) -> Vec<(bool, &str)> {
     let rows = result["measurements"].as_array().unwrap().iter();
     rows.map(|own| (own["counts"].as_bool().unwrap(), own["verdict"].as_str().unwrap()))
         .collect()
@@ -84,7 +84,7 @@ fn a_contradiction_is_named_as_a_pair_and_left_out_or_widened() {
     assert!(conflicts[0]["probability"].as_f64().unwrap() < 0.01 && conflicts[0]["widened"].is_null());
     assert!(conflicts[0]["gain"].as_f64().unwrap() > 5.0, "{text}");
     assert_eq!(
-        verdicts(&left_out),
+        measurement_outcomes(&left_out),
         [(false, "conflict"), (false, "conflict"), (true, "met")]
     );
     for words in [
@@ -105,7 +105,7 @@ fn a_contradiction_is_named_as_a_pair_and_left_out_or_widened() {
     let factor = widened["conflicts"][0]["widened"].as_f64().unwrap();
     assert!(factor > 2.0, "{text}");
     assert_eq!(
-        verdicts(&widened),
+        measurement_outcomes(&widened),
         [(true, "conflict"), (true, "conflict"), (true, "met")]
     );
     assert!(text.contains(&format!("widened by a factor {factor:.1}")), "{text}");
@@ -124,7 +124,7 @@ fn a_reading_beyond_the_outcome_names_the_limit_that_would_have_to_give() {
     assert_eq!(output.status.code(), Some(1), "{text}\n{}", messages(&output));
     let result = result(&folder);
     let conflict = &result["conflicts"][0];
-    assert_eq!(verdicts(&result), [(false, "not_reached")]);
+    assert_eq!(measurement_outcomes(&result), [(false, "not_reached")]);
     assert!(conflict["nearest"].as_f64().unwrap() < 6e-3 && conflict["distance"].as_f64().unwrap() > 3.0);
     assert!(
         conflict["remedies"].to_string().contains("nail.overdrive_limit"),

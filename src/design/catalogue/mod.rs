@@ -14,7 +14,7 @@ use std::path::Path;
 use nailnoise_quantities::{Group as _, Value};
 use toml::de::{DeTable, DeValue};
 
-use super::assembly::OwnKeys;
+use super::assembly::AssemblyKeys;
 use super::error::DesignError;
 use super::groups::Values;
 use super::settings::{Given, Layer, Setting};
@@ -87,7 +87,7 @@ impl Catalogue {
         }
         let text = |key: &str| table.get(key).and_then(|value| value.get_ref().as_str());
         let own = match table.get("sets").map(|value| value.get_ref()) {
-            Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC, &OwnKeys::default())?.settings,
+            Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC, &AssemblyKeys::default())?.settings,
             _ => Vec::new(),
         };
         let mut sets = match text("like") {

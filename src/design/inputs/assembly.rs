@@ -3,16 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nailnoise_dynamics::network::{Assembly, AssemblyText, KeyValue, Numerics, Resolved};
+use nailnoise_dynamics::network::{Assembly, AssemblyText, Numerics, Resolved};
 use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 use nailnoise_quantities::Group as _;
-use nailnoise_quantities::dimension::{DAMPING, NUMBER, STIFFNESS};
 
-use super::cycle::exhaust_discharge_coefficient;
+use crate::design::loads_housing;
 use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, refused_assembly};
 use crate::error::Error;
-use crate::model::supports;
-use crate::stages::bodies::tool_loads::AXIAL_SURFACES;
 use crate::stages::cycle::{AssembledCycle, Engine, TOOL, WORKPIECE};
 
 /// The design whose mean density gives the volume of a housing without dimensions.
@@ -51,7 +48,7 @@ impl AssembledTool {
                     return Ok(None);
                 };
                 let numerics = numerics(&design);
-                (text, keys(&design)?, numerics)
+                (text, design.assembly_keys()?, numerics)
             }
         };
         let resolved = text.resolve(&keys).map_err(refused_assembly)?;
@@ -76,7 +73,7 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     let Some(text) = design.assembly() else {
         return Ok(None);
     };
-    let resolved = text.resolve(&keys(design)?).map_err(refused_assembly)?;
+    let resolved = text.resolve(&design.assembly_keys()?).map_err(refused_assembly)?;
     if let Some((key, remedy)) = ignored(design, &resolved) {
         return Err(design.refuse_for_assembly(&key, remedy).into());
     }
@@ -162,12 +159,6 @@ pub(crate) fn tool_mass(engine: &Engine) -> f64 {
     }
 }
 
-/// Whether the cycle gives the force on every surface of the housing.
-pub(crate) fn loads_housing(text: &AssemblyText) -> bool {
-    let surfaces = text.surfaces(TOOL);
-    AXIAL_SURFACES.iter().all(|own| surfaces.contains(own))
-}
-
 /// Volume of the housing as a rigid body \[m3\]: that of its dimensions or, for an assembly whose housing has no
 /// surfaces, that of its mass at the mean density of the N80CB.
 pub(crate) fn tool_volume(design: &Design, engine: &Engine) -> f64 {
@@ -215,29 +206,4 @@ pub(crate) fn absent_sources(engine: &Engine) -> Vec<String> {
         notes.push("the assembly has no opening: the exhaust is not among the sources".to_owned());
     }
     notes
-}
-
-/// Values of all keys of a design, with `support.stiffness` and `support.damping` set to those of the chosen support.
-pub(crate) fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
-    let mut keys = BTreeMap::new();
-    design.visit("", &mut |path, spec, value| {
-        keys.insert(path.to_owned(), KeyValue::of(spec, &value));
-    });
-    let support = supports::of(design).lumped()?;
-    let damping = support.dashpot(design.workpiece.block.mass(design.wood.density));
-    for (path, si, dimension) in [
-        ("support.stiffness", support.stiffness, STIFFNESS),
-        ("support.damping", damping, DAMPING),
-    ] {
-        keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
-    }
-    let exhaust = KeyValue::Quantity {
-        si: exhaust_discharge_coefficient(design),
-        dimension: NUMBER,
-    };
-    keys.insert("exhaust.discharge_coefficient".to_owned(), exhaust);
-    for (path, si, dimension) in design.set_literals() {
-        keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
-    }
-    Ok(keys)
 }

@@ -16,6 +16,7 @@ use crate::stages::bodies::{
     BodyKind, ContactFace, Extent, FileUnit, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource, NailPlace,
     Naming, PartMaterials, Properties, Remainder, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
 };
+use crate::stages::radiation::SurfaceError;
 
 /// Inputs of the stages of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -410,7 +411,7 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
             }
             None => BodyError::SurfaceOutside { entry, distance }.into(),
         },
-        Error::Body(BodyError::NoCapSurface { surface, panels }) => design.refuse_cap(surface, panels).into(),
+        Error::Surface(SurfaceError::NoCapSurface { surface, panels }) => design.refuse_cap(surface, panels).into(),
         other => other,
     }
 }

@@ -37,10 +37,7 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         piston: piston(design),
         head_valve: design.head_valve.clone(),
         chambers: design.chambers.clone(),
-        exhaust: dynamics::Exhaust {
-            discharge_coefficient: exhaust_discharge_coefficient(design),
-            ..design.exhaust.cycle.clone()
-        },
+        exhaust: design.exhaust.cycle.clone(),
         muffler_area: (muffler.kind != MufflerKind::None).then_some(muffler.flow_area),
         trigger: design.trigger.clone(),
         nail: design.nail.cycle.clone(),
@@ -56,14 +53,6 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         ambient: design.ambient.clone(),
         model: design.model.clone(),
     })
-}
-
-/// Discharge coefficient of the exhaust's holes: that of the other passages unless the design gives one.
-pub(crate) fn exhaust_discharge_coefficient(design: &Design) -> f64 {
-    match design.exhaust.discharge_coefficient {
-        0.0 => design.chambers.discharge_coefficient,
-        own => own,
-    }
 }
 
 /// Valid values of what a cycle does not use \[m\], \[Pa\], \[m/s\].

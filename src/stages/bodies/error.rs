@@ -1,4 +1,4 @@
-//! Faults of a body, its surfaces and its radiation.
+//! Faults of a body and its surfaces.
 
 use std::path::PathBuf;
 
@@ -104,21 +104,6 @@ pub enum BodyError {
         /// Distance to the nearest face with the given orientation \[m\]; `None` if there is none.
         distance: Option<f64>,
     },
-    /// A cap that cannot be separated from the rest of the body.
-    #[error("{} of {} panels of the tool's outline are its cap", panels[0], panels[1])]
-    NoCapSurface {
-        /// Name of the surface in the file of a body; none for the parametric one.
-        surface: Option<&'static str>,
-        /// Number of panels on the cap and on the complete outline.
-        panels: [usize; 2],
-    },
-    /// A surface within the tool that is open to the outside.
-    #[error("the tool's surface `{surface}`, the wall of an enclosed volume of air, lies in the open air")]
-    #[diagnostic(help("close the gap in the wall around that volume"))]
-    OpenCavity {
-        /// Name of the surface.
-        surface: String,
-    },
     /// Pieces of a body without a connection.
     #[error(
         "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, \
@@ -176,33 +161,6 @@ pub enum BodyError {
         body: &'static str,
         /// Its distance from the body \[m\].
         distance: f64,
-    },
-    /// The sides of a mesh of block or table differ from those that radiate.
-    #[error(
-        "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \
-         `support.worktable.mesh` are others"
-    )]
-    #[diagnostic(help(
-        "give the mesh's dimensions (workpiece.length, width, thickness; support.worktable.length, width, height, \
-         top_thickness, leg_width), or set acoustics.method = \"erp\"; on a floor, clamped or on springs a block \
-         radiates from the faces of its own mesh"
-    ))]
-    NotBoxes {
-        /// Place of the difference.
-        #[source]
-        cause: nailnoise_acoustics::AcousticsError,
-    },
-    /// A microphone or the operator's ear is too close to a body for the pressure there to be computed.
-    #[error("a microphone or the operator's ear is too close to a body")]
-    #[diagnostic(help(
-        "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \
-         follow the \
-         nail's place and the tool's height"
-    ))]
-    MicrophoneNearSurface {
-        /// The place and its distance.
-        #[source]
-        cause: nailnoise_acoustics::ReceiverError,
     },
     /// Modes that the cache had lost differ after being computed again.
     #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]

@@ -22,7 +22,7 @@ pub(crate) const AXIAL_SURFACES: [&str; AXIAL] = ["roof", "cap", "rim", "floor",
 pub(crate) const HANDLE: usize = AXIAL - 1;
 
 /// The axial load of a surface of the housing by its name in a shot.
-pub(crate) fn axial(surface: &str) -> Option<usize> {
+pub(crate) fn axial_index(surface: &str) -> Option<usize> {
     AXIAL_SURFACES.iter().position(|own| *own == surface)
 }
 

@@ -98,7 +98,7 @@ impl<'a> Histories<'a> {
         OnWorkpiece {
             motion: self.motion(body),
             nose: nose.map_or_else(|| seat.clone(), <[f64]>::to_vec),
-            fastener: named("nail").unwrap_or_else(|| self.sum(fasteners.iter().map(|name| (*name, 1.0)))),
+            fastener: named("nail").unwrap_or_else(|| self.signed_sum(fasteners.iter().map(|name| (*name, 1.0)))),
             deepest: match fasteners.first() {
                 Some(name) => self.quantity(name, "deepest"),
                 None => vec![0.0; self.samples],
@@ -122,7 +122,7 @@ impl<'a> Histories<'a> {
         let frictions = a.frictions.iter().map(|own| (&own.name, own.on, own.against, 1.0));
         let springs = a.springs.iter().map(|own| (&own.name, own.on, own.against, -1.0));
         let all = contacts.chain(frictions).chain(springs);
-        self.sum(all.filter_map(|(name, on, other, sign)| {
+        self.signed_sum(all.filter_map(|(name, on, other, sign)| {
             let sign = if against(other) {
                 sign
             } else if on == body && apart(other) {
@@ -135,7 +135,7 @@ impl<'a> Histories<'a> {
     }
 
     /// Sum of forces of blocks with signs.
-    fn sum<'b>(&self, blocks: impl Iterator<Item = (&'b str, f64)>) -> Vec<f64> {
+    fn signed_sum<'b>(&self, blocks: impl Iterator<Item = (&'b str, f64)>) -> Vec<f64> {
         let mut sum = vec![0.0; self.samples];
         for (block, sign) in blocks {
             let force = self.quantity(block, "force");
@@ -169,7 +169,7 @@ impl<'a> Histories<'a> {
             let correction = impulse_correction(
                 own.mass,
                 &self.motion(body),
-                &self.sum(names),
+                &self.signed_sum(names),
                 self.record.interval.unwrap_or_default(),
             );
             let travel = self.quantity(&own.name, "travel");
@@ -239,7 +239,7 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
     }
     let openings = assembly.openings.iter().zip(&record.openings);
     for (opening, flow) in openings {
-        if let Some(mass) = mass_out(assembly, record, opening.passage, flow) {
+        if let Some(mass) = discharged_mass(assembly, record, opening.passage, flow) {
             figures.insert(format!("{}_mass", opening.name), mass);
         }
     }
@@ -247,7 +247,7 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
 }
 
 /// Mass that leaves through an opening's passage \[kg\].
-fn mass_out(assembly: &Assembly, record: &Record, passage: usize, flow: &FlowHistory) -> Option<f64> {
+fn discharged_mass(assembly: &Assembly, record: &Record, passage: usize, flow: &FlowHistory) -> Option<f64> {
     let own = assembly.passages.get(passage)?;
     let outward = matches!(own.to, Space::Reservoir(_));
     let integral = record.integral(&format!("mass.{}", own.name));

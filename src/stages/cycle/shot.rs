@@ -116,7 +116,7 @@ impl ShotRecord {
     }
 
     /// Mass that leaves through all openings \[kg\].
-    pub fn mass_out(&self) -> f64 {
+    pub fn discharged_mass(&self) -> f64 {
         let of_figures = |figures: &BTreeMap<String, f64>| {
             let masses = self.openings.iter();
             masses

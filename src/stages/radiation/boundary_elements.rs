@@ -9,9 +9,9 @@ use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::Point3;
 use serde::Serialize;
 
+use super::error::SurfaceError;
 use crate::error::Error;
 use crate::stages::Progress;
-use crate::stages::bodies::BodyError;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
 pub(super) const LOWEST_SAMPLE: f64 = 40.0;
@@ -118,11 +118,11 @@ impl Places {
     /// Checks that they keep the required distance from the surfaces of meshes.
     ///
     /// # Errors
-    /// [`BodyError::MicrophoneNearSurface`].
+    /// [`SurfaceError::MicrophoneNearSurface`].
     pub(super) fn check(&self, meshes: &[MeshRange]) -> Result<(), Error> {
         let receivers = self.receivers();
         let checked = meshes.iter().try_for_each(|mesh| receivers.check(&mesh.problem));
-        checked.map_err(|cause| BodyError::MicrophoneNearSurface { cause }.into())
+        checked.map_err(|cause| SurfaceError::MicrophoneNearSurface { cause }.into())
     }
 
     pub(super) fn receivers(&self) -> Receivers {

@@ -6,6 +6,7 @@
 
 mod boundary_elements;
 mod covered;
+mod error;
 mod flush;
 mod matrices;
 mod radiators;
@@ -17,6 +18,7 @@ mod workpiece;
 pub(crate) use boundary_elements::describe_gap;
 pub use boundary_elements::{Places, Resolution, Solution};
 pub use covered::{CoveredFaces, OpenFaces};
+pub use error::SurfaceError;
 pub use flush::{FlushTop, top_of};
 pub use matrices::{
     FlushMatrix, MatrixWithMicrophones, PressureAtMicrophones, PressureOnSurface, RadiationMatrix, ToolCapSolution,

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
+use super::error::SurfaceError;
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::BodyError;
@@ -48,7 +49,7 @@ impl CapSurface {
     /// For each panel of a boundary, whether it is part of the cap.
     ///
     /// # Errors
-    /// [`BodyError::NoCapSurface`] if none or all are.
+    /// [`SurfaceError::NoCapSurface`] if none or all are.
     fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
         let inside = |panel: &Panel| match *self {
             Self::Above { height, radius } => panel.corners().iter().all(|&node| {
@@ -60,7 +61,7 @@ impl CapSurface {
         let panels: Vec<bool> = mesh.panels.iter().map(inside).collect();
         let own = panels.iter().filter(|own| **own).count();
         if own == 0 || own == panels.len() {
-            return Err(BodyError::NoCapSurface {
+            return Err(SurfaceError::NoCapSurface {
                 surface: match self {
                     Self::Above { .. } => None,
                     Self::Named(name) => Some(name),
@@ -112,7 +113,7 @@ impl ToolRadiation {
     /// moving.
     ///
     /// # Errors
-    /// Same as [`Self::compute`], and [`BodyError::NoCapSurface`].
+    /// Same as [`Self::compute`], and [`SurfaceError::NoCapSurface`].
     pub fn compute_with_cap(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -156,7 +157,7 @@ impl ToolRadiation {
     /// from the microphones, and has a cap if one is required.
     ///
     /// # Errors
-    /// Same as [`Self::level`], [`BodyError::NoCapSurface`], and the errors of the microphones.
+    /// Same as [`Self::level`], [`SurfaceError::NoCapSurface`], and the errors of the microphones.
     pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>, places: &Places) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
@@ -189,7 +190,7 @@ impl ToolRadiation {
     /// differ.
     ///
     /// # Errors
-    /// Same as [`Self::level`], [`BodyError::OpenCavity`], and [`BodyError::NoCapSurface`].
+    /// Same as [`Self::level`], [`SurfaceError::OpenCavity`], and [`SurfaceError::NoCapSurface`].
     pub fn finest(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -372,7 +373,7 @@ fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
 fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     let name = |panel: &Panel| outline.patches[panel.patch].as_str();
     match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {
-        Some(surface) => Err(BodyError::OpenCavity {
+        Some(surface) => Err(SurfaceError::OpenCavity {
             surface: surface.to_owned(),
         }
         .into()),

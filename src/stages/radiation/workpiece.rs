@@ -17,10 +17,10 @@ use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
+use super::error::SurfaceError;
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
-use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
 /// Upper ends of the ranges with separate meshes, relative to the top of all.
@@ -151,7 +151,8 @@ impl WorkpieceBoundaryElements {
     /// air the meshes and their limiting wavelengths are those of the stored matrix.
     ///
     /// # Errors
-    /// [`BodyError::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
+    /// [`SurfaceError::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and
+    /// radiation.
     pub fn mesh_hierarchy(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         self.of_bodies(bodies, air, &RANGES)
     }
@@ -171,7 +172,9 @@ impl WorkpieceBoundaryElements {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
                 Ok(vec![self.of_skin(&bodies[0], air, None)?])
             }
-            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(BodyError::NotBoxes { cause }.into()),
+            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => {
+                Err(SurfaceError::NotBoxes { cause }.into())
+            }
             other => Ok(other?),
         }
     }
@@ -580,7 +583,7 @@ mod tests {
         check(1.0).unwrap();
         let error = check(0.001).unwrap_err();
         assert!(
-            matches!(error, Error::Body(BodyError::MicrophoneNearSurface { .. })),
+            matches!(error, Error::Surface(SurfaceError::MicrophoneNearSurface { .. })),
             "{error}"
         );
         assert_eq!(error.exit_status(), 2);
@@ -653,7 +656,10 @@ mod tests {
         }
         let table = small("support.kind = \"worktable\"\nworkpiece.length = \"410 mm\"");
         let error = levels(&table, &block, &air).unwrap_err();
-        assert!(matches!(error, Error::Body(BodyError::NotBoxes { .. })), "{error}");
+        assert!(
+            matches!(error, Error::Surface(SurfaceError::NotBoxes { .. })),
+            "{error}"
+        );
         assert_eq!(error.exit_status(), 2);
     }
 }

@@ -8,7 +8,7 @@
 use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::DMatrix;
 
-use crate::stages::bodies::tool_loads::{AXIAL, Bore, LOADS, PLENUM, RETURN, RINGS, SUPPLY, axial};
+use crate::stages::bodies::tool_loads::{AXIAL, Bore, LOADS, PLENUM, RETURN, RINGS, SUPPLY, axial_index};
 use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
 
 /// Forces \[N\] and pressures \[Pa\] of all loads: loads x samples.
@@ -20,7 +20,7 @@ pub(super) fn histories(mesh: &Mesh, shot: &ShotRecord) -> Result<DMatrix<f64>, 
     let ambient = shot.ambient_pressure;
     let mut histories = DMatrix::zeros(LOADS, shot.len());
     for load in shot.loads.iter().chain(&shot.impulse_corrections) {
-        if let Some(place) = axial(&load.surface) {
+        if let Some(place) = axial_index(&load.surface) {
             let row = histories.row_mut(place).into_iter();
             row.zip(&load.force).for_each(|(sum, force)| *sum += force);
         }

@@ -24,7 +24,7 @@ use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
-use crate::stages::bodies::tool_loads::{AXIAL, HANDLE, LOADS, MASS_LIMIT, axial};
+use crate::stages::bodies::tool_loads::{AXIAL, HANDLE, LOADS, MASS_LIMIT, axial_index};
 use crate::stages::cycle::ShotRecord;
 
 /// Code that the stages of this module call.
@@ -204,7 +204,7 @@ impl ToolShot {
         let stiffness = |contact: &HousingContact| {
             Some(Stiffness {
                 place: contact.place.into(),
-                body: 1.0 / compliance(body, &guided.loads, axial(contact.surface)?),
+                body: 1.0 / compliance(body, &guided.loads, axial_index(contact.surface)?),
                 contact: contact.stiffness,
             })
         };

@@ -86,6 +86,11 @@ impl Parameters {
             dimension: AREA,
         };
         keys.insert("exhaust.muffler.flow_area".to_owned(), area);
+        let coefficient = KeyValue::Quantity {
+            si: self.exhaust.coefficient(&self.chambers),
+            dimension: NUMBER,
+        };
+        keys.insert("exhaust.discharge_coefficient".to_owned(), coefficient);
         keys
     }
 }
