@@ -11,10 +11,10 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use crate::kriging::Prediction;
 
 /// Below this, asymptotic series replace differences of small numbers.
-const FAR: f64 = -6.0;
+const ASYMPTOTIC: f64 = -6.0;
 
 /// Minimum standard deviation: no improvement is expected at an observation.
-const LEAST: f64 = 1e-12;
+const MIN_DEVIATION: f64 = 1e-12;
 
 /// ln phi(z), the density of the normal distribution.
 fn log_density(z: f64) -> f64 {
@@ -27,10 +27,10 @@ fn cumulative(z: f64) -> f64 {
 }
 
 /// Logarithm of the expected improvement below `best`.
-pub(crate) fn log_improvement(own: Prediction, best: f64) -> f64 {
-    let deviation = own.deviation.max(LEAST);
+pub(crate) fn log_expected_improvement(own: Prediction, best: f64) -> f64 {
+    let deviation = own.deviation.max(MIN_DEVIATION);
     let z = (best - own.mean) / deviation;
-    let h = if z > FAR {
+    let h = if z > ASYMPTOTIC {
         (log_density(z).exp() + z * cumulative(z)).ln()
     } else {
         // h = phi/z^2 (1 - 3/z^2 + 15/z^4 ...)
@@ -40,9 +40,9 @@ pub(crate) fn log_improvement(own: Prediction, best: f64) -> f64 {
 }
 
 /// Logarithm of the probability of a value of at most 0.
-pub(crate) fn log_met(own: Prediction) -> f64 {
-    let z = -own.mean / own.deviation.max(LEAST);
-    if z > FAR {
+pub(crate) fn log_feasibility(own: Prediction) -> f64 {
+    let z = -own.mean / own.deviation.max(MIN_DEVIATION);
+    if z > ASYMPTOTIC {
         cumulative(z).ln()
     } else {
         // Phi = phi/|z| (1 - 1/z^2 + 3/z^4 ...)
@@ -61,15 +61,15 @@ mod tests {
     #[test]
     fn the_improvement_is_that_of_the_closed_form() {
         // EI of N(0, 1) below 0 is 1/sqrt(2 pi).
-        assert!((log_improvement(at(0.0, 1.0), 0.0) + 0.5 * (2.0 * PI).ln()).abs() < 1e-12);
+        assert!((log_expected_improvement(at(0.0, 1.0), 0.0) + 0.5 * (2.0 * PI).ln()).abs() < 1e-12);
         // Without uncertainty, it is the difference.
-        assert!((log_improvement(at(1.0, 1e-9), 3.0) - 2.0_f64.ln()).abs() < 1e-9);
+        assert!((log_expected_improvement(at(1.0, 1e-9), 3.0) - 2.0_f64.ln()).abs() < 1e-9);
     }
 
     #[test]
     fn series_continue_the_closed_forms_and_stay_finite() {
-        for f in [log_met, |own| log_improvement(own, 0.0)] {
-            let [near, far] = [-FAR - 1e-6, -FAR + 1e-6].map(|mean| f(at(mean, 1.0)));
+        for f in [log_feasibility, |own| log_expected_improvement(own, 0.0)] {
+            let [near, far] = [-ASYMPTOTIC - 1e-6, -ASYMPTOTIC + 1e-6].map(|mean| f(at(mean, 1.0)));
             assert!((near - far).abs() < 5e-3, "{near} {far}");
             assert!(f(at(60.0, 1.0)).is_finite() && f(at(60.0, 1.0)) < f(at(50.0, 1.0)));
         }
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_constraint_at_its_limit_is_met_in_half_of_the_cases() {
-        assert!((log_met(at(0.0, 0.3)) - 0.5_f64.ln()).abs() < 1e-12);
-        assert!(log_met(at(-1.0, 0.1)).abs() < 1e-12);
+        assert!((log_feasibility(at(0.0, 0.3)) - 0.5_f64.ln()).abs() < 1e-12);
+        assert!(log_feasibility(at(-1.0, 0.1)).abs() < 1e-12);
     }
 }

@@ -1,6 +1,6 @@
 //! Proposes the next points to try.
 
-use crate::acquisition::{log_improvement, log_met};
+use crate::acquisition::{log_expected_improvement, log_feasibility};
 use crate::kriging::Kriging;
 use crate::space::{Point, Space};
 
@@ -17,10 +17,10 @@ const STARTS: usize = 4;
 const STEPS: [f64; 2] = [0.1, 1e-3];
 
 /// Maximum number of observations to which a model is fitted: those nearest to the best.
-const MOST: usize = 200;
+const MAX_OBSERVATIONS: usize = 200;
 
 /// Maximum number of points of the sequence that are examined to find a new one.
-const LOOKED_AT: u32 = 4096;
+const MAX_EXAMINED: u32 = 4096;
 
 /// Weight of the sum of the objectives relative to the largest one (Knowles, "ParEGO", IEEE Transactions on
 /// Evolutionary Computation 10, 50 (2006)).
@@ -69,16 +69,24 @@ struct Models<'a> {
     space: &'a Space,
     objective: Option<(Kriging, f64)>,
     constraints: Vec<Kriging>,
+    /// Indices of the observations, best first.
+    ranked: Vec<usize>,
 }
 
 impl Models<'_> {
     /// Logarithm of the expected improvement that meets the constraints; if no observation meets them, of the
     /// probability of meeting them.
-    fn promise(&self, point: &[f64]) -> f64 {
+    fn acquisition(&self, point: &[f64]) -> f64 {
         let own = self.space.coordinates(point);
-        let met: f64 = self.constraints.iter().map(|model| log_met(model.predict(&own))).sum();
+        let met: f64 = self
+            .constraints
+            .iter()
+            .map(|model| log_feasibility(model.predict(&own)))
+            .sum();
         let objective = self.objective.as_ref();
-        met + objective.map_or(0.0, |(model, best)| log_improvement(model.predict(&own), *best))
+        met + objective.map_or(0.0, |(model, best)| {
+            log_expected_improvement(model.predict(&own), *best)
+        })
     }
 
     /// Adds a point with its predicted values as if it had been observed (Ginsbourger, Le Riche and Carraro, "Kriging
@@ -111,10 +119,10 @@ impl Optimiser {
         let mut models = None;
         while proposed.len() < count {
             let next = if seen.len() < self.initial() {
-                self.unseen(&seen)
+                self.untried(&seen)
             } else {
                 let models = models.get_or_insert_with(|| self.models(observed));
-                let next = self.search(models, observed, &seen).or_else(|| self.unseen(&seen));
+                let next = self.search(models, observed, &seen).or_else(|| self.untried(&seen));
                 if let Some(point) = &next {
                     models.believe(point);
                 }
@@ -128,8 +136,8 @@ impl Optimiser {
     }
 
     /// The first point of the sequence that has not been tried.
-    fn unseen(&self, seen: &[Point]) -> Option<Point> {
-        let points = (0..LOOKED_AT).map(|index| self.space.at(&self.shares(index, 0)));
+    fn untried(&self, seen: &[Point]) -> Option<Point> {
+        let points = (0..MAX_EXAMINED).map(|index| self.space.at(&self.shares(index, 0)));
         points.into_iter().find(|point| !seen.contains(point))
     }
 
@@ -145,7 +153,8 @@ impl Optimiser {
         let scores = self.scores(observed);
         let best = observed.iter().zip(&scores).filter(|(own, _)| own.feasible());
         let best = best.filter_map(|(_, score)| *score).reduce(f64::min);
-        let near = self.nearest(observed, &scores);
+        let ranked = Self::ranked(observed, &scores);
+        let near = self.nearest(observed, ranked.first().copied());
         let of = |value: &dyn Fn(usize) -> Option<f64>| -> (Vec<Vec<f64>>, Vec<f64>) {
             let known = near.iter().filter_map(|&place| Some((place, value(place)?)));
             known
@@ -177,6 +186,7 @@ impl Optimiser {
             space,
             constraints: constraints.collect(),
             objective,
+            ranked,
         }
     }
 
@@ -238,15 +248,15 @@ impl Optimiser {
         places
     }
 
-    /// Indices of the observations to which models are fitted.
-    fn nearest(&self, observed: &[Observation], scores: &[Option<f64>]) -> Vec<usize> {
+    /// Indices of the observations to which models are fitted: those nearest to the best.
+    fn nearest(&self, observed: &[Observation], best: Option<usize>) -> Vec<usize> {
         let mut places: Vec<usize> = (0..observed.len()).collect();
-        if let Some(&best) = Self::ranked(observed, scores).first().filter(|_| observed.len() > MOST) {
+        if let Some(best) = best.filter(|_| observed.len() > MAX_OBSERVATIONS) {
             let of = |place: usize| self.space.coordinates(&observed[place].point);
             let center = of(best);
             let distance = |place: usize| of(place).iter().zip(&center).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
             places.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-            places.truncate(MOST);
+            places.truncate(MAX_OBSERVATIONS);
         }
         places
     }
@@ -255,22 +265,26 @@ impl Optimiser {
     fn search(&self, models: &Models<'_>, observed: &[Observation], seen: &[Point]) -> Option<Point> {
         let sequence = 2 + seen.len() as u64;
         let spread = (0..GLOBAL).map(|index| self.space.at(&self.shares(index, sequence)));
-        let ranked = Self::ranked(observed, &self.scores(observed));
-        let around = ranked.iter().take(STARTS).enumerate().flat_map(|(rank, &place)| {
-            let indices = (0..LOCAL).map(move |index| GLOBAL + rank as u32 * LOCAL + index);
-            indices.map(move |index| self.perturbed(&observed[place].point, index, sequence))
-        });
-        let rate = |point: Point| (models.promise(&point), point);
-        let unseen = |point: &Point| !seen.contains(point);
-        let mut rated: Vec<(f64, Point)> = spread.chain(around).filter(unseen).map(rate).collect();
+        let around = models
+            .ranked
+            .iter()
+            .take(STARTS)
+            .enumerate()
+            .flat_map(|(rank, &place)| {
+                let indices = (0..LOCAL).map(move |index| GLOBAL + rank as u32 * LOCAL + index);
+                indices.map(move |index| self.perturbed(&observed[place].point, index, sequence))
+            });
+        let rate = |point: Point| (models.acquisition(&point), point);
+        let untried = |point: &Point| !seen.contains(point);
+        let mut rated: Vec<(f64, Point)> = spread.chain(around).filter(untried).map(rate).collect();
         rated.sort_by(|a, b| b.0.total_cmp(&a.0));
         rated.truncate(STARTS);
-        for (promise, point) in &mut rated {
+        for (acquisition, point) in &mut rated {
             let mut step = STEPS[0];
             while step > STEPS[1] {
-                let next = self.space.neighbours(point, step).into_iter().filter(unseen).map(rate);
+                let next = self.space.neighbours(point, step).into_iter().filter(untried).map(rate);
                 match next.max_by(|a, b| a.0.total_cmp(&b.0)) {
-                    Some((better, moved)) if better > *promise + 1e-9 => (*promise, *point) = (better, moved),
+                    Some((better, moved)) if better > *acquisition + 1e-9 => (*acquisition, *point) = (better, moved),
                     _ => step *= 0.5,
                 }
             }

@@ -45,12 +45,12 @@ pub(super) struct Arguments {
     keeping: Keeping,
     /// Serve the page at this address of the machine, for others on the network who have the address that is printed,
     /// with its token [default: this machine only]
-    #[arg(long, value_name = "ADDRESS", value_parser = address)]
+    #[arg(long, value_name = "ADDRESS", value_parser = parse_address)]
     listen: Option<SocketAddr>,
 }
 
 /// An address with a port, or without one, which the system then chooses.
-fn address(text: &str) -> Result<SocketAddr, String> {
+fn parse_address(text: &str) -> Result<SocketAddr, String> {
     let alone = || text.parse().map(|ip: IpAddr| SocketAddr::new(ip, 0));
     let found = text.parse().or_else(|_| alone());
     found.map_err(|_| "give an address of this machine, as 192.168.1.7 or 192.168.1.7:8080".to_owned())

@@ -268,12 +268,12 @@ impl<'a> Diagram<'a> {
                 @match row.mark {
                     Mark::Flow { one_way, makes_noise } => {
                         path class=(class) d=(bow_tie(middle, y)) {}
-                        @if one_way { path class=(class) d=(arrow(to - direction * 4.0, y, direction)) {} }
-                        @if makes_noise { path.sound d=(waves(to, y, direction)) {} }
+                        @if one_way { path class=(class) d=(arrow_head(to - direction * 4.0, y, direction)) {} }
+                        @if makes_noise { path.sound d=(sound_symbol(to, y, direction)) {} }
                     },
                     Mark::Contact => path class={ (class) " link" } d=(stop(to, y, direction)) {},
                     Mark::Force | Mark::Face | Mark::Fastener => {
-                        path class=(class) d=(arrow(to - direction * 2.0, y, direction)) {}
+                        path class=(class) d=(arrow_head(to - direction * 2.0, y, direction)) {}
                     },
                     Mark::Spring | Mark::Friction => {},
                 }
@@ -545,7 +545,7 @@ fn bow_tie(x: f64, y: f64) -> String {
     format!("M{:.1} {:.1}v8l12 -8v8z", x - 6.0, y - 4.0)
 }
 
-fn arrow(x: f64, y: f64, direction: f64) -> String {
+fn arrow_head(x: f64, y: f64, direction: f64) -> String {
     format!("M{x:.1} {y:.1}l{:.1} -4v8z", -8.0 * direction)
 }
 
@@ -559,7 +559,7 @@ fn stop(x: f64, y: f64, direction: f64) -> String {
     )
 }
 
-fn waves(x: f64, y: f64, direction: f64) -> String {
+fn sound_symbol(x: f64, y: f64, direction: f64) -> String {
     let arc = |radius: f64| {
         let (start, sweep) = (x + direction * radius * 0.7, if direction > 0.0 { 1 } else { 0 });
         format!(

@@ -81,7 +81,7 @@ impl Optimisation {
 
 /// Searches for the designs with the lowest objectives, based on the design in a file with changes.
 ///
-/// A shot that violates a constraint does not count as a trial; a search ends after [`CANDIDATES_A_TRIAL`] candidates
+/// A shot that violates a constraint does not count as a trial; a search ends after `CANDIDATES_A_TRIAL` candidates
 /// for each trial. Results are in the store of the graph, so that repeating the request resumes an interrupted search.
 /// `fill` may compute the levels of designs, given as assignments, elsewhere and add them to that store before they are
 /// needed here.

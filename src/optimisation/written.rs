@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_leads_from_the_folder_to_the_file() {
+    fn the_relative_path_of_a_file_starts_at_the_folder() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         let from = |folder: &str| relative(&root.join(folder), &root.join("designs/n80cb.toml"));
         assert_eq!(from("designs"), "n80cb.toml");

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 
 use super::axis::{labels, percent};
 use super::legend::legend;
-use super::typography::marked;
+use super::typography::with_subscripts;
 use crate::figures::path::Frame;
 use crate::figures::ticks::{Tick, across, rows, upwards};
 use crate::figures::{Chart, Event, PALETTE, Panel, Series, Shape, hexadecimal, subscripts};
@@ -37,7 +37,7 @@ pub(super) fn markup(chart: &Chart) -> Markup {
             @for panel in &chart.panels {
                 @if panel.y.categories.is_empty() { (plot(chart, panel)) } @else { (super::rows::markup(panel)) }
             }
-            figcaption { (marked(&chart.caption)) }
+            figcaption { (with_subscripts(&chart.caption)) }
         }
     }
 }
@@ -71,7 +71,7 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
             data-across=(panel.x.unit) data-group=[(!chart.events.is_empty()).then_some("time")]
             data-categories=[(!panel.x.categories.is_empty()).then(|| panel.x.categories.join("|"))] {
             (legend(panel))
-            p.axis { (marked(&panel.y.title())) }
+            p.axis { (with_subscripts(&panel.y.title())) }
             div.frame {
                 (symbols(&events))
                 div.ys aria-hidden="true" { (labels(&ys, "bottom")) }
@@ -84,7 +84,7 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
                 }
                 div.xs aria-hidden="true" { (labels(&xs, "left")) }
             }
-            p.axis.below { (marked(&panel.x.title())) }
+            p.axis.below { (with_subscripts(&panel.x.title())) }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::typography::{marked, with_code};
+use super::typography::{with_code, with_subscripts};
 use crate::declaration;
 use crate::result::{RunResult, SourceLoudness};
 
@@ -16,10 +16,11 @@ pub(super) fn section(result: &RunResult) -> Markup {
             @for line in declaration::lines(&result.declaration, ear) { li { (with_code(&line)) } }
             @if let Some(basis) = &result.declaration.k_basis { li { "sigma: " (basis) } }
             @if let Some(reason) = &result.declaration.k_not_stated { li { "K is not stated: " (reason) } }
-            @if !ear.loudness.is_empty() { li { (marked(&loudness(&ear.loudness))) } }
+            @if !ear.loudness.is_empty() { li { (with_subscripts(&loudness(&ear.loudness))) } }
         }
         p.quiet {
-            (marked("L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re \
+            (with_subscripts("L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak \
+                in dB re \
              20 \u{b5}Pa at the \
              operator's ear, ")) (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
             " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 \

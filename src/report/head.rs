@@ -5,7 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use maud::{Markup, html};
 
 use super::tables;
-use super::typography::{marked, with_code};
+use super::typography::{with_code, with_subscripts};
 use crate::design::{Design, Value};
 use crate::model::supports;
 use crate::result::{Ends, RankedSource, RunResult, StudySummary};
@@ -52,14 +52,16 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             p.verdict {
                 "The " b { (first.source) } " is loudest, with " (format!("{:.0} %", 100.0 * first.share))
                 " of the sound energy"
-                @if let Some(sure) = result.study.known().and_then(|study| sure(study, &first.source)) { " " (sure) }
+                @if let Some(draws) = result.study.known().and_then(|study| draws_as_loudest(study, &first.source)) {
+                    " " (draws)
+                }
                 "."
             }
             ul.verdict { @for source in result.ranking.iter().filter(|own| own.lwa_db.is_some()) {
                 li { (silencing(result, source)) }
             } }
         }
-        p.quiet { (marked(&in_words(result))) }
+        p.quiet { (with_subscripts(&in_words(result))) }
         @if let Some(performance) = &result.performance {
             p.quiet { "What this shot has in reserve, before anything is made quieter: " (performance.in_words()) "." }
         }
@@ -75,7 +77,7 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
 }
 
 /// In how many of the draws a source is the loudest; none where that is not stated.
-fn sure(study: &StudySummary, source: &str) -> Option<String> {
+fn draws_as_loudest(study: &StudySummary, source: &str) -> Option<String> {
     let share = study.spread(source).first?;
     Some(match study.ends {
         Ends::Percentiles => format!("(loudest in {:.0} % of the draws)", 100.0 * share),

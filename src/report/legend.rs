@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::typography::marked;
+use super::typography::with_subscripts;
 use crate::figures::{Panel, Shape};
 
 /// Entries for the series that have a name.
@@ -12,7 +12,7 @@ pub(super) fn legend(panel: &Panel) -> Markup {
         div.legend { @for (place, series) in named {
             button type="button" class={ "key c" (series.colour) " " (sample(&series.shape)) } data-series=(place)
                 aria-pressed="true" {
-                (marked(&series.name))
+                (with_subscripts(&series.name))
             }
         } }
     }

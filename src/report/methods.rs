@@ -94,7 +94,7 @@ fn radiation(own: &RadiationReport) -> Markup {
             tr { th scope="row" { (name) } td { (typeset(&value)) } }
         } }
         h4 { "Radiation in bands" }
-        (table::markup(&bands(own)))
+        (table::markup(&band_table(own)))
         @if !own.modes.is_empty() { h4 { "Modes that radiate most" } (table::markup(&modes(&own.modes))) }
     }
 }
@@ -121,7 +121,7 @@ fn loading(own: &FluidLoading) -> [(&'static str, String); 4] {
     ]
 }
 
-fn bands(own: &RadiationReport) -> Table {
+fn band_table(own: &RadiationReport) -> Table {
     let row = |band: &crate::result::RadiationBand| {
         let levels = [band.lw_db, band.surface_lw_db, band.limit_lw_db, band.erp_lw_db];
         std::iter::once(band.hz.to_string().into())

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::axis::{labels, percent};
 use super::legend::legend;
-use super::typography::marked;
+use super::typography::with_subscripts;
 use crate::figures::path::{RowBar, row_bars, sharing};
 use crate::figures::ticks::across;
 use crate::figures::{Panel, Series};
@@ -20,13 +20,16 @@ pub(super) fn markup(panel: &Panel) -> Markup {
     html! {
         div.panel.of-rows {
             @if panel.series.len() > 1 { (legend(panel)) }
-            p.axis { (marked(&panel.y.title())) }
+            p.axis { (with_subscripts(&panel.y.title())) }
             div.rows {
                 @for (row, name) in panel.y.categories.iter().enumerate() {
                     @let bars = row_bars(panel, row);
                     @let in_words = words(panel, row, &bars);
                     div.row title=[in_words.as_deref()] {
-                        span.name { (marked(name)) @if let Some(words) = &in_words { span.unseen { ": " (words) } } }
+                        span.name {
+                            (with_subscripts(name))
+                            @if let Some(words) = &in_words { span.unseen { ": " (words) } }
+                        }
                         div.track style={ "height:" (height) "px" } {
                             @for tick in &ticks { i.grid style={ "left:" (percent(tick.at)) } {} }
                             @for bar in &bars { (one(bar, shared)) }
@@ -35,7 +38,7 @@ pub(super) fn markup(panel: &Panel) -> Markup {
                 }
                 div.row.foot aria-hidden="true" { span.name {} div.xs { (labels(&ticks, "left")) } }
             }
-            p.axis.below { (marked(&panel.x.title())) }
+            p.axis.below { (with_subscripts(&panel.x.title())) }
         }
     }
 }

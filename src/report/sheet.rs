@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::head::capitalised;
 use super::page::{Page, Section};
 use super::table;
-use super::typography::{marked, typeset};
+use super::typography::{typeset, with_subscripts};
 use crate::declaration::{Finished, Use};
 use crate::tables::{Cell, Column, Table};
 use crate::wording::in_one_unit;
@@ -160,7 +160,8 @@ fn conditions(of: &Finished) -> Markup {
 fn basis(of: &Finished) -> Markup {
     html! {
         ul.notes {
-            li { (marked("L_WA,1s: sound power of all sources of one shot, normalised to 1 s (EN 12549, ISO 3744); \
+            li { (with_subscripts("L_WA,1s: sound power of all sources of one shot, normalised to 1 s (EN 12549, ISO \
+                3744); \
                 L_pA,1s: emission sound pressure at the operator's ear without room and background (ISO 11201).")) }
             li { "K = 1.645 sigma over draws of the inputs and of the errors of the methods; it replaces the scatter \
                 of measurements and of machines." }

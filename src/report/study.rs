@@ -6,7 +6,7 @@ use super::chart::markup;
 use super::head::missed;
 use super::page::{Page, Section};
 use super::table;
-use super::typography::{marked, typeset, with_code};
+use super::typography::{typeset, with_code, with_subscripts};
 use crate::figures::Chart;
 use crate::study::{Contributions, Estimate, GroupStudy, SourceStudy, StudyResult};
 use crate::tables::study as tables;
@@ -72,7 +72,7 @@ fn lead(result: &StudyResult) -> Markup {
     html! {
         (missed(result.headline.as_ref()))
         @for (place, line) in answer(result).iter().enumerate() {
-            p.verdict[place == 0] { (marked(line)) }
+            p.verdict[place == 0] { (with_subscripts(line)) }
         }
         p.quiet { (result.draws) " draws, " (structures) ", seed " (result.seed)
             ". Beside each estimate: half of its 90 % interval over resampled draws. "

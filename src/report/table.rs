@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::typography::{marked, with_code};
+use super::typography::{with_code, with_subscripts};
 use crate::tables::{Cell, Column, Content, Table};
 
 /// Longest text of a cell that is not broken into lines \[characters\].
@@ -14,7 +14,7 @@ pub(super) fn markup(table: &Table) -> Markup {
     html! {
         div.scroll { table.pinned {
             thead { tr { @for column in &table.columns {
-                th.n[column.content == Content::Numbers] { (marked(&column.heading)) }
+                th.n[column.content == Content::Numbers] { (with_subscripts(&column.heading)) }
             } } }
             tbody { @for (place, row) in table.rows.iter().enumerate() { tr.sum[table.sum && place == last]
                 .failed[row.iter().any(|cell| cell.alarm)] {
@@ -31,7 +31,7 @@ fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
     let key = column.content == Content::Keys;
     html! {
         @if key && place == 0 { th.key-name scope="row" { (cell.text)
-            @if !cell.spread.is_empty() { br; span.meaning { (marked(&cell.spread)) } }
+            @if !cell.spread.is_empty() { br; span.meaning { (with_subscripts(&cell.spread)) } }
         } }
         @else if key { td.key-name { (cell.text) } }
         @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
@@ -53,7 +53,7 @@ pub(super) fn content(cell: &Cell) -> Markup {
             }
         } @else if let Some(file) = &cell.opens { a href=(file) { (text) }
         } @else if cell.strong { b { (text) } } @else { (text) }
-        @if !cell.spread.is_empty() { " " span.quiet { (marked(&cell.spread)) } }
+        @if !cell.spread.is_empty() { " " span.quiet { (with_subscripts(&cell.spread)) } }
     }
 }
 

@@ -19,7 +19,7 @@ const TYPESET: [(&str, &str); 10] = [
 ];
 
 /// A text with the signs of a page, and with the subscripts of `L_{WA}`, `L_WA,1s` or `N_max` set low.
-pub(super) fn marked(text: &str) -> Markup {
+pub(super) fn with_subscripts(text: &str) -> Markup {
     let set = symbols(&typeset(text));
     let escaped = html! { (set) }.into_string();
     PreEscaped(subscripts(&escaped, "<sub>", "</sub>"))
@@ -54,7 +54,7 @@ fn symbols(text: &str) -> String {
 /// A line of plain text in which words between backticks become code.
 pub(super) fn with_code(line: &str) -> Markup {
     let parts = line.split('`').enumerate();
-    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (marked(part)) } } }
+    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (with_subscripts(part)) } } }
 }
 
 /// A terminal text with typeset signs: an en dash for a missing value, minus signs before digits.
@@ -107,7 +107,7 @@ mod tests {
             ("N_max < 3", "N<sub>max</sub> &lt; 3"),
             ("wood.elastic.e_r, hose_area, a_", "wood.elastic.e_r, hose_area, a_"),
         ] {
-            assert_eq!(marked(plain).into_string(), set);
+            assert_eq!(with_subscripts(plain).into_string(), set);
         }
     }
 }

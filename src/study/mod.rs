@@ -67,6 +67,7 @@ pub(crate) use screening::drawn;
 pub use screening::{Candidate, Tally, screen};
 pub use serving::{Serving, StudySource, study};
 pub use shots::{Counted, DrawnShot, ShotSampler, Shots, cycle_variables, shots};
+pub(crate) use statistics::energy_sum;
 pub use statistics::{Estimate, Quantiles};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
 pub(crate) use sweep::number as number_and_unit;

@@ -74,7 +74,7 @@ pub(super) fn weighted_mean(figures: &[f64], counts: &[u32]) -> f64 {
 }
 
 /// The level of the sum of the energies of levels \[dB\].
-pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
     10.0 * levels
         .into_iter()
         .map(|level| 10f64.powf(0.1 * level))

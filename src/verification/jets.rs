@@ -9,6 +9,7 @@ use nailnoise_acoustics::{Air, GAS_CONSTANT, HEAT_RATIO};
 
 use super::row::{Case, Row};
 use crate::error::Error;
+use crate::study::energy_sum;
 
 const WHOLE: Case = Case {
     name: "cold jet, setpoint 7, overall",
@@ -168,11 +169,6 @@ fn half_band() -> f64 {
     10f64.powf(0.05)
 }
 
-/// Sum of levels \[dB\].
-fn sum(levels: impl Iterator<Item = f64>) -> f64 {
-    10.0 * levels.map(|level| 10f64.powf(0.1 * level)).sum::<f64>().log10()
-}
-
 /// The levels of a column of [`BANDS`].
 fn measured(column: usize) -> Vec<f64> {
     BANDS.iter().map(|band| band[1 + column]).collect()
@@ -190,7 +186,7 @@ fn similarity(column: usize) -> Vec<Row> {
     };
     let levels: Vec<f64> = BANDS.iter().map(|band| third_octave(band[0])).collect();
     let reference = measured(column);
-    let gain = sum(reference.iter().copied()) - sum(levels.iter().copied());
+    let gain = energy_sum(reference.iter().copied()) - energy_sum(levels.iter().copied());
     let compared = BANDS.iter().zip(levels).zip(reference);
     compared
         .filter(|((band, _), _)| (COMPARED[0]..COMPARED[1]).contains(&band[0]))
@@ -209,7 +205,7 @@ fn holes(column: usize, computed: &[f64]) -> Vec<Row> {
         let level = |levels: &[f64]| {
             let bands = BANDS.iter().zip(levels);
             let audible = bands.filter(|(band, _)| hz(band[0]) < HIGHEST * half_band());
-            sum(audible.map(|(band, level)| level + scale + Weighting::A.db(hz(band[0]))))
+            energy_sum(audible.map(|(band, level)| level + scale + Weighting::A.db(hz(band[0]))))
         };
         let [degrees, _] = OVERALL[column];
         let lowest = 1e-3 * hz(BANDS[0][0]);

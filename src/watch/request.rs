@@ -30,7 +30,7 @@ impl Request {
     /// Reads a head; `None` if the connection ends before it is complete.
     ///
     /// # Errors
-    /// The errors of the connection; [`ErrorKind::InvalidData`] if the head is not HTTP 1 or is too long.
+    /// The errors of the connection; [`ErrorKind::InvalidData`] if the header is not that of HTTP 1 or is too long.
     pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Self>> {
         let (mut bytes, mut part) = (Vec::new(), [0; 2048]);
         loop {

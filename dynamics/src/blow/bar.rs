@@ -96,7 +96,7 @@ impl Bar {
     }
 
     /// Adds the forces of a dashpot \[N s/m\] along every element to the loads.
-    pub fn damp(&mut self, dashpot: f64) {
+    pub fn add_damping(&mut self, dashpot: f64) {
         for i in 0..self.last() {
             let force = dashpot * (self.velocity[i + 1] - self.velocity[i]);
             self.load[i] += force;

@@ -126,7 +126,7 @@ pub fn with_bars(bars: &Bars, p: &Parameters, record: &CycleRecord) -> Option<Bl
     let first = (start / dt_record).ceil() as usize;
     let [after, fade] = AFTER_STOP;
     let last = (((stop + after) / dt_record) as usize).min(record.len().checked_sub(2)?);
-    let mut run = Run::new(bars, p, record, start, speed);
+    let mut run = BlowIntegration::new(bars, p, record, start, speed);
     let mut on_wood = record.forces.penetration.clone();
     let mut rod_on_nail = vec![0.0; record.len()];
     let mut impulse = 0.0;
@@ -159,7 +159,7 @@ struct Means {
 }
 
 /// The moving bars.
-struct Run<'a> {
+struct BlowIntegration<'a> {
     p: &'a Parameters,
     record: &'a CycleRecord,
     bars: &'a Bars,
@@ -188,7 +188,7 @@ struct Run<'a> {
     initial_energy: f64,
 }
 
-impl<'a> Run<'a> {
+impl<'a> BlowIntegration<'a> {
     fn new(bars: &'a Bars, p: &'a Parameters, record: &'a CycleRecord, start: f64, speed: f64) -> Self {
         let element = bars.nail.length / bars.elements as f64;
         let elements = bars.rod.length / element * bars.nail.wave_speed() / bars.rod.wave_speed();
@@ -259,7 +259,7 @@ impl<'a> Run<'a> {
         let wood = at.of(&self.record.workpiece.position) - self.wood;
         let on_wood = self.grip(wood, at.of(&self.record.workpiece.velocity));
         for (bar, rod) in [(&mut self.piston, &self.bars.rod), (&mut self.nail, &self.bars.nail)] {
-            bar.damp(self.bars.viscosity * rod.density * rod.wave_speed() * rod.area());
+            bar.add_damping(self.bars.viscosity * rod.density * rod.wave_speed() * rod.area());
         }
         let loads = self.piston.load.iter().chain(&self.nail.load);
         self.impulse += self.dt * loads.sum::<f64>();

@@ -8,7 +8,7 @@ use super::plan::{
     AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
     RestrictionPlan, SpringPlan,
 };
-use super::resistance::{ResistancePlan, interpolate};
+use super::resistance::{ShankLaw, interpolate};
 use nailnoise_penetration::Real;
 
 use crate::cycle::{Air, Gas};
@@ -213,9 +213,9 @@ impl FastenerPlan {
     #[inline]
     fn shank<S: Real>(&self, z: S) -> S {
         match &self.law {
-            ResistancePlan::Wood(curve) => curve.evaluate(z),
-            ResistancePlan::Constant(force) => S::constant(*force),
-            ResistancePlan::Table(points) => {
+            ShankLaw::Wood(curve) => curve.evaluate(z),
+            ShankLaw::Constant(force) => S::constant(*force),
+            ShankLaw::Table(points) => {
                 let (force, slope) = interpolate(points, z.value());
                 z.chain(force, slope)
             }

@@ -11,7 +11,7 @@ use super::assembly::{
     Stop,
 };
 use super::error::RunError;
-use super::resistance::ResistancePlan;
+use super::resistance::ShankLaw;
 use crate::cycle::Air;
 
 /// Two bodies between which a block acts; the ground has the index after the last body.
@@ -254,7 +254,7 @@ pub(crate) struct FastenerPlan {
     pub(crate) length: f64,
     pub(crate) mass: f64,
     pub(crate) impact: bool,
-    pub(crate) law: ResistancePlan,
+    pub(crate) law: ShankLaw,
     pub(crate) reversible: bool,
     pub(crate) head_stiffness: f64,
     pub(crate) unloading: f64,
@@ -835,7 +835,7 @@ fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
             length: f.length,
             mass: f.mass,
             impact: f.impact,
-            law: ResistancePlan::of(f),
+            law: ShankLaw::of(f),
             reversible: f.reversible,
             head_stiffness: f.seated.head_stiffness,
             unloading: f.seated.unloading,

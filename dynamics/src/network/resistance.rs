@@ -6,13 +6,13 @@ use super::assembly::{Fastener, FastenerLaw};
 
 /// Law of the resistance along the shank.
 #[derive(Debug, Clone)]
-pub(crate) enum ResistancePlan {
+pub(crate) enum ShankLaw {
     Wood(Curve),
     Constant(f64),
     Table(Vec<[f64; 2]>),
 }
 
-impl ResistancePlan {
+impl ShankLaw {
     pub(crate) fn of(fastener: &Fastener) -> Self {
         match &fastener.law {
             FastenerLaw::SolidWood { hardness, offset } => {
@@ -34,7 +34,7 @@ impl ResistancePlan {
 /// ```
 #[derive(Debug, Clone)]
 pub struct FastenerResistance {
-    law: ResistancePlan,
+    law: ShankLaw,
     length: f64,
     head_stiffness: f64,
     /// Whether the force along the shank is lost where the head meets the work (published form).
@@ -45,7 +45,7 @@ impl FastenerResistance {
     /// The resistance to a fastener.
     pub fn of(fastener: &Fastener) -> Self {
         Self {
-            law: ResistancePlan::of(fastener),
+            law: ShankLaw::of(fastener),
             length: fastener.length,
             head_stiffness: fastener.seated.head_stiffness,
             reversible: fastener.reversible,
@@ -59,9 +59,9 @@ impl FastenerResistance {
         }
         let embedded = depth.min(self.length);
         match &self.law {
-            ResistancePlan::Wood(curve) => curve.evaluate(embedded),
-            ResistancePlan::Constant(force) => *force,
-            ResistancePlan::Table(points) => interpolate(points, embedded).0,
+            ShankLaw::Wood(curve) => curve.evaluate(embedded),
+            ShankLaw::Constant(force) => *force,
+            ShankLaw::Table(points) => interpolate(points, embedded).0,
         }
     }
 

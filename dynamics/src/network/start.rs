@@ -94,7 +94,8 @@ impl Plan {
         }
     }
 
-    /// Places bodies at their prescribed travel, or where their contact just touches; parents first.
+    /// Sets the initial positions of the bodies, parents first: the prescribed travel, or the position in which the
+    /// contact closes without force.
     fn first_guess(&self, y: &mut [f64]) {
         let ground = self.ground();
         // As many rounds as the longest chain of bodies may need.

@@ -136,9 +136,10 @@ impl Eigenpairs {
     /// frequency; a solve divides by it again. In the form phi - (K - sigma M)^-1 r, the rounding error of the solve is
     /// relative to r instead of phi. The component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma).
     /// With sigma at the edge, this reduces modes far above the edge; with a small negative sigma, it reduces all modes
-    /// not in the basis. The lowest modes of a basis that spans several decades need the latter. Components of modes
-    /// just above the edge, which the first shift would amplify and the second hardly reduces, are removed explicitly,
-    /// as are those of the basis. Modes that a step does not improve are left unchanged.
+    /// not in the basis. A basis over several decades needs the negative sigma for its lowest modes. Components of
+    /// modes just above the edge are removed explicitly, because the first shift would amplify them and the second
+    /// hardly reduces them. Components of the basis are removed too. A mode that a step does not improve remains
+    /// unchanged.
     pub(crate) fn refine(
         &mut self,
         pencil: Pencil<'_>,

@@ -51,8 +51,8 @@ impl BoundaryMesh {
         Self::of_boxes_fine_at(boxes, planes, (edge, &[]), patches, patch)
     }
 
-    /// Same as [`BoundaryMesh::of_boxes`], with grid lines that become denser towards the `rims` of gaps: the first
-    /// rectangle is half as wide as the gap is high, and each further one is twice as wide as the one before.
+    /// Same as [`BoundaryMesh::of_boxes`], with a finer grid near the `rims` of gaps. The first rectangle is half as
+    /// wide as the gap is high. The width doubles from each rectangle to the next.
     ///
     /// # Errors
     /// Same as [`BoundaryMesh::of_boxes`].

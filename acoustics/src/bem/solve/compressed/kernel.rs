@@ -70,8 +70,8 @@ pub(super) struct Kernels<'a> {
 }
 
 impl Kernels<'_> {
-    /// a and `scale` times b between x = `point` and y = the points of the cluster: real and imaginary part of a, each
-    /// with the padded number of points, then those of b, each with the number of owned values.
+    /// a and `scale` times b between x = `point` and y = the points of the cluster. The real and imaginary parts of a
+    /// come first, each with the padded number of points. Those of b follow, each with the number of owned values.
     pub(super) fn row(
         &self,
         (point, weight): ([f32; 6], f32),
