@@ -85,17 +85,12 @@ fn values(of: &Finished) -> Markup {
 fn in_use(of: &Finished, usage: Use) -> Markup {
     let own = usage.levels(of.total.lwa_db, of.ear.lpa_1s_db);
     let level = |db: Option<f64>| db.map_or_else(|| "silent".to_owned(), |db| format!("{db:.0} dB"));
+    let noun = if usage.rate == 1.0 { "shot" } else { "shots" };
+    let rate = format!("{} {noun} a second", usage.rate);
     let rows = [
+        (format!("Sound power level at {rate}"), "L_WA", level(own.power_db)),
         (
-            format!("Sound power level at {} shots a second", usage.rate),
-            "L_WA",
-            level(own.power_db),
-        ),
-        (
-            format!(
-                "Sound pressure level at the work station at {} shots a second",
-                usage.rate
-            ),
+            format!("Sound pressure level at the work station at {rate}"),
             "L_pA",
             level(own.pressure_db),
         ),
