@@ -138,8 +138,12 @@ pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
     }
 }
 
-/// A sentence with a capital first letter.
+/// A sentence with a capital first letter. A key or a symbol at its start keeps its letters.
 pub(crate) fn capitalised(text: &str) -> String {
+    let first = text.split(' ').next().unwrap_or_default();
+    if first.trim_end_matches(['.', ':', ',']).contains(['.', '_', '=']) {
+        return text.to_owned();
+    }
     let mut letters = text.chars();
     letters
         .next()

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::head::capitalised;
 use super::table;
 use super::tables::{self, decibels};
 use super::typography::{typeset, with_code};
@@ -24,7 +25,7 @@ pub(super) fn section(result: &RunResult, value: &serde_json::Value) -> Markup {
         }
         details {
             summary { "Notes on methods, their ranges and limits" }
-            ul.notes { @for note in &result.method_notes { li { (with_code(note)) } } }
+            ul.notes { @for note in &result.method_notes { li { (with_code(&capitalised(note))) } } }
         }
     }
 }

@@ -59,6 +59,7 @@ use crate::virtual_test::comparison::MeasuredComparison;
 
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
+pub(crate) use typography::with_code;
 
 pub(crate) use page::compared_by;
 use page::{Page, Section};
@@ -341,7 +342,7 @@ fn ranking(result: &RunResult) -> Markup {
             }
         }
         (declared::section(result))
-        ul.notes { @for note in &result.notes { li { (typography::with_code(note)) } } }
+        ul.notes { @for note in &result.notes { li { (typography::with_code(&head::capitalised(note))) } } }
     }
 }
 

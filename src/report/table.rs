@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::head::capitalised;
 use super::typography::{with_code, with_subscripts};
 use crate::tables::{Cell, Column, Content, Table};
 
@@ -23,7 +24,7 @@ pub(super) fn markup(table: &Table) -> Markup {
                 }
             } } }
         } }
-        @for line in &table.legend { p.quiet { (with_code(line)) } }
+        @for line in &table.legend { p.quiet { (with_code(&capitalised(line))) } }
     }
 }
 

@@ -5,7 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::figures::subscripts;
 
 /// Characters in the terminal, and their typeset form on a page.
-const TYPESET: [(&str, &str); 10] = [
+const TYPESET: [(&str, &str); 11] = [
     ("+-", "\u{b1}"),
     ("<= ", "\u{2264} "),
     (">= ", "\u{2265} "),
@@ -16,6 +16,7 @@ const TYPESET: [(&str, &str); 10] = [
     ("cm3", "cm\u{b3}"),
     ("/m3", "/m\u{b3}"),
     (" um", " \u{b5}m"),
+    (" -> ", " \u{2192} "),
 ];
 
 /// A text with the signs of a page, and with the subscripts of `L_{WA}`, `L_WA,1s` or `N_max` set low.
@@ -52,7 +53,7 @@ fn symbols(text: &str) -> String {
 }
 
 /// A line of plain text in which words between backticks become code.
-pub(super) fn with_code(line: &str) -> Markup {
+pub(crate) fn with_code(line: &str) -> Markup {
     let parts = line.split('`').enumerate();
     html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (with_subscripts(part)) } } }
 }
@@ -91,6 +92,7 @@ mod tests {
             ("-1.0 / -2.0", "\u{2212}1.0 / \u{2212}2.0"),
             ("n80cb-2", "n80cb-2"),
             ("variance 2.0 dB2", "variance 2.0 dB\u{b2}"),
+            ("300 cm3 -> 500 cm3", "300 cm\u{b3} \u{2192} 500 cm\u{b3}"),
         ] {
             assert_eq!(typeset(plain), set);
         }

@@ -150,7 +150,10 @@ impl RunStudy {
         let name = match self {
             Self::Known(summary) if summary.outside.is_empty() => return None,
             Self::Known(summary) => format!("level of {} within its interval of draws", summary.outside.join(", ")),
-            Self::Absent(none) => format!("the shot ends as `study.require` says ({})", none.unmet.as_ref()?),
+            Self::Absent(none) => format!(
+                "the outcome of the shot is the one that `study.require` counts ({})",
+                none.unmet.as_ref()?
+            ),
         };
         Some(Check::at_most(name, 1.0, 0.0))
     }

@@ -5,7 +5,7 @@ use crate::figures::in_palette;
 use crate::output::event_name;
 use crate::result::{BandLevel, Check, Component, RankedSource, RunResult, loudest};
 use crate::study::legend;
-use crate::wording::band;
+use crate::wording::{band, change};
 
 /// The sources, loudest first, with the intervals of their levels if a study states them.
 pub(crate) fn ranking(result: &RunResult) -> Table {
@@ -31,7 +31,7 @@ pub(crate) fn ranking(result: &RunResult) -> Table {
         let level = Cell::from(decibels(source.lwa_db)).strong();
         let behind = [
             share,
-            format!("-{:.1} dB", without(source.share)).into(),
+            format!("{} dB", change(-without(source.share))).into(),
             loudest_band(&source.bands),
             dash(interval, |interval| event_name(&interval.from)).into(),
         ];

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::board::{Board, State};
 use super::shot::{Differences, FinishedRun};
-use crate::report::{capitalised, missed_shot};
+use crate::report::{capitalised, missed_shot, with_code};
 use crate::wording;
 
 pub(super) const STYLE: &str = include_str!("watch.css");
@@ -154,7 +154,7 @@ fn level(shot: &FinishedRun, name: &str) -> String {
 fn remarks(shot: &FinishedRun, warnings: &[String]) -> Markup {
     html! {
         @if !shot.failed.is_empty() {
-            strong.alarm { "Do not rely on this run: check failed: " (shot.failed.join(", ")) }
+            strong.alarm { "Do not rely on this run: check failed: " (with_code(&shot.failed.join(", "))) }
         }
         @if !warnings.is_empty() {
             details {
