@@ -243,7 +243,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
     }
     if arguments.store.is_some() || arguments.groups || arguments.one_at_a_time {
-        study::keep(&cache, &design, &result, &made)?;
+        study::store_study(&cache, &design, &result, &made)?;
     }
     let graph = Graph::quiet(&store, progress.observer());
     result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;

@@ -6,9 +6,9 @@ use serde_json::{Number, Value};
 
 use super::draw_table::DrawTable;
 use super::draws::Draws;
-use super::kept::{Found, code};
 use super::population::{Difference, Population};
 use super::result::StudyResult;
+use super::study_store::{Found, code};
 use crate::design::{Design, renames};
 use crate::error::Error;
 use crate::shipped;

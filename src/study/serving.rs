@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use super::draw_table::DrawTable;
 use super::draws::{Draws, draws, nominal};
-use super::kept::{Found, keep, kept};
 use super::provided::ProvidedStudy;
 use super::request::{Request, Subset};
 use super::result::{LevelStudy, StudyResult};
+use super::study_store::{Found, store_study, stored_study};
 use super::tolerance::STATED_FROM;
 use crate::design::Design;
 use crate::error::Error;
@@ -46,15 +46,15 @@ impl Serving {
     /// # Errors
     /// If a design cannot be digested, or a provided study does not follow its layout.
     pub fn of(store: &Store, design: &Design) -> Result<Option<Self>, Error> {
-        let (kept, provided) = (kept(store, design)?, ProvidedStudy::of(design)?);
+        let (stored, provided) = (stored_study(store, design)?, ProvidedStudy::of(design)?);
         let of_user = |found: Found| Self {
             result: found.result,
             weighting: found.weighting,
             provided: None,
             silencing: found.silencing,
         };
-        Ok(match (kept, provided) {
-            (Some(kept), Some(provided)) if kept.size() >= provided.found.size() => Some(of_user(kept)),
+        Ok(match (stored, provided) {
+            (Some(stored), Some(provided)) if stored.size() >= provided.found.size() => Some(of_user(stored)),
             (_, Some(provided)) => Some(Self {
                 provided: Some(Provided {
                     current: provided.study.is_of_this_code(),
@@ -63,7 +63,7 @@ impl Serving {
                 }),
                 ..of_user(provided.found)
             }),
-            (kept, None) => kept.map(of_user),
+            (stored, None) => stored.map(of_user),
         })
     }
 
@@ -273,6 +273,6 @@ pub fn study(
     let nominal = nominal(&graph, design, request)?;
     progress.stage("statistics");
     let result = StudyResult::new(design, request, &made, nominal.as_deref());
-    keep(store, design, &result, &made)?;
+    store_study(store, design, &result, &made)?;
     Ok((result, made))
 }

@@ -25,12 +25,12 @@ const STUDY: &str = "study";
 /// Version of the layout of the stored data.
 const LAYOUT: &str = "2";
 
-/// Maximum number of stored studies; the most recent ones are kept.
+/// Maximum number of stored studies; older ones are removed.
 const MOST: usize = 16;
 
 /// A study in the store.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+struct StoredStudy {
     population: Population,
     result: StudyResult,
     draws: DrawTable,
@@ -87,10 +87,12 @@ pub(super) fn code() -> String {
     hexadecimal(&key.digest())
 }
 
-fn all(store: &Store) -> (Digest, Vec<Kept>) {
+fn all(store: &Store) -> (Digest, Vec<StoredStudy>) {
     let key = program_key().with(&LAYOUT).with(&code()).digest();
-    let kept = store.load::<Vec<Kept>, Postcard>(STUDY, &key).unwrap_or_default();
-    (key, kept)
+    let stored = store
+        .load::<Vec<StoredStudy>, Postcard>(STUDY, &key)
+        .unwrap_or_default();
+    (key, stored)
 }
 
 fn size(study: &StudyResult) -> (bool, usize) {
@@ -101,7 +103,7 @@ fn size(study: &StudyResult) -> (bool, usize) {
 ///
 /// # Errors
 /// If a design cannot be digested.
-pub fn kept(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
+pub fn stored_study(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
     let mut largest: Option<Found> = None;
     for own in all(store).1 {
         if let Some(found) = Found::of(design, &own.population, &own.result, &own.draws)?
@@ -117,25 +119,25 @@ pub fn kept(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
 ///
 /// # Errors
 /// If a design cannot be digested.
-pub fn keep(store: &Store, design: &Design, result: &StudyResult, made: &Draws) -> Result<(), Error> {
-    let (key, mut kept) = all(store);
+pub fn store_study(store: &Store, design: &Design, result: &StudyResult, made: &Draws) -> Result<(), Error> {
+    let (key, mut stored) = all(store);
     let population = Population::of(design, result)?;
-    let known = kept.iter().position(|own| own.population == population);
+    let known = stored.iter().position(|own| own.population == population);
     if let Some(known) = known {
-        if size(&kept[known].result) > size(result) {
+        if size(&stored[known].result) > size(result) {
             return Ok(());
         }
-        kept.remove(known);
+        stored.remove(known);
     }
-    kept.insert(
+    stored.insert(
         0,
-        Kept {
+        StoredStudy {
             population,
             result: result.clone(),
             draws: DrawTable::of(made),
         },
     );
-    kept.truncate(MOST);
-    store.save::<_, Postcard>(STUDY, &key, &kept);
+    stored.truncate(MOST);
+    store.save::<_, Postcard>(STUDY, &key, &stored);
     Ok(())
 }
