@@ -60,7 +60,7 @@ pub(crate) fn study_of(
         let made = study::draws(&graph, &design, &request, &progress)?;
         let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
-        study::keep(&cache, &design, &result, &made)?;
+        study::store_study(&cache, &design, &result, &made)?;
         let mut result = result.with_surrogates(&design, &made);
         result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
         let charts = drawn(&figures::study(&result));
