@@ -96,3 +96,51 @@ fn candidates(simulation: &Simulation<'_>, draws: usize, seed: u64) -> Vec<Candi
     found.truncate(draws);
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use nailnoise_documents::Document;
+
+    use super::super::reader;
+    use super::super::tap_test::{E_L, E_R, G_LR};
+    use super::*;
+
+    const SPRUCE: &str = include_str!("../../../examples/plates/spruce.toml");
+
+    /// A plate of the example with the first peaks of a hidden plate, and its point.
+    fn hidden(ritz: &Ritz) -> (TapTest, [f64; INPUTS]) {
+        let document = Document::new("plates.toml".as_ref(), SPRUCE);
+        let mut test = reader::read(&document).unwrap().tests.remove(0);
+        let z = [0.3, -0.2, 0.5, 0.4, -0.8, 0.7, 0.9, -0.5, 0.6, 0.2, -0.4];
+        let modes = ritz.modes(&test.plate(&z)).unwrap();
+        test.peaks = modes.iter().take(6).map(|own| own.hz).collect();
+        (test, z)
+    }
+
+    const SETTINGS: Settings = Settings { moves: 6, seed: 3 };
+
+    #[test]
+    fn three_moduli_of_a_hidden_plate_lie_within_their_draws() {
+        let ritz = Ritz::new([8, 6]);
+        let (test, z) = hidden(&ritz);
+        let found = posterior(&ritz, &test, 256, SETTINGS, || ()).unwrap();
+        assert!(found.conflicts.is_empty());
+        for k in [E_L, E_R, G_LR] {
+            let mut own: Vec<f64> = found.state.particles.iter().map(|draw| draw.z[k]).collect();
+            own.sort_by(f64::total_cmp);
+            let (low, high) = (own[5], own[250]);
+            assert!(low < z[k] && z[k] < high, "input {k}: {} in {low} .. {high}", z[k]);
+            assert!(high - low < 2.0, "input {k} is not determined: {low} .. {high}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_peak_is_left_out() {
+        let ritz = Ritz::new([8, 6]);
+        let (mut test, _) = hidden(&ritz);
+        test.peaks[1] *= 1.3;
+        test.peaks.sort_by(f64::total_cmp);
+        let found = posterior(&ritz, &test, 256, SETTINGS, || ()).unwrap();
+        assert!(!found.conflicts.is_empty() && found.counts.contains(&false));
+    }
+}

@@ -240,3 +240,79 @@ fn plate(name: &str, table: &Keys<'_, '_>, mut inputs: [Input; INPUTS], air_dens
         discrepancy,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    const SPRUCE: &str = include_str!("../../../examples/plates/spruce.toml");
+
+    fn of(text: &str) -> Result<TapTests, CalibrationError> {
+        read(&Document::new(Path::new("plates.toml"), text))
+    }
+
+    #[test]
+    fn the_example_has_ten_plates_of_six_peaks() {
+        let read = of(SPRUCE).unwrap();
+        assert_eq!(read.tests.len(), 10);
+        assert!(
+            read.tests
+                .iter()
+                .all(|own| own.peaks.len() == 6 && !own.is_check.contains(&true))
+        );
+        assert!((read.tests[0].inputs[MASS].law.at(0.0) - 0.236).abs() < 1e-12);
+    }
+
+    /// The ends of a range are two standard deviations from its middle, in the logarithm for a modulus.
+    #[test]
+    fn a_range_is_the_distribution_between_two_standard_deviations() {
+        let inputs = of(SPRUCE).unwrap().tests[0].inputs;
+        for (place, low, high) in [(E_L, 7e9, 17e9), (NU_LR, 0.3, 0.5)] {
+            let law = inputs[place].law;
+            assert!((law.at(-2.0) / low - 1.0).abs() < 1e-12 && (law.at(2.0) / high - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_fault_is_named_with_its_line_and_remedy() {
+        let faults = [
+            (
+                "nailnoise-structures/1",
+                "nailnoise-structures/9",
+                "schema",
+                "another layout",
+            ),
+            ("\"7 .. 17 GPa\"", "\"17 .. 7 GPa\"", "wood.e_l", "give it as"),
+            ("\"7 .. 17 GPa\"", "\"7 .. 17 mm\"", "wood.e_l", "give it as"),
+            ("\"70.5 Hz\", ", "\"270.5 Hz\", ", "plate.1L.peaks", "ascending"),
+            ("\"4.8 mm\"", "\"4.8 cm\"", "plate.1L.thickness", "no plate"),
+            ("\"4.8 mm\"", "\"4.8 kg\"", "plate.1L.thickness", "kg"),
+            ("rounding = \"0.25 Hz\"", "", "plate.1L.error", "no instrument is exact"),
+            ("thickness =", "thicknes =", "plate.1L.thicknes", "is it"),
+            (
+                "[\"47.0 Hz\", \"70.5 Hz\", \"121.0 Hz\", \"132.5 Hz\", \"174.0 Hz\", \"199.5 Hz\"]",
+                "[\"47 Hz\"]",
+                "plate.1L.peaks",
+                "three moduli",
+            ),
+            ("share = {", "shares = {", "air.shares", "is it"),
+            (
+                "rounding = \"0.25 Hz\"",
+                "rounding = \"0.25 Hz\"\ncheck = [\"47 Hz\"]",
+                "plate.1L.check",
+                "repeats",
+            ),
+        ];
+        for (from, to, key, words) in faults {
+            assert!(SPRUCE.contains(from), "{from}");
+            let CalibrationError::Key(error) = of(&SPRUCE.replacen(from, to, 1)).unwrap_err() else {
+                panic!("{key} is no fault of a key");
+            };
+            let text = format!("{error}\n{}", error.help);
+            assert!(text.contains(key) && text.contains(words), "{text}");
+            assert!(text.contains("plates.toml, line "), "{text}");
+        }
+    }
+}

@@ -1,9 +1,9 @@
 //! A tap test of a plate: its inputs with their distributions, its peaks, and the modes that it predicts.
 //!
-//! Peaks of a mobility do not say which mode they belong to, and a mode with a node at the sensor or at the hammer shows
-//! none. A prediction therefore assigns peaks to modes in ascending order, by the assignment of the highest likelihood.
-//! Modes that this leaves without a peak below the last assigned one are a reading of their own: their number is 0, with
-//! a standard error of 2. Two missing modes thus cost as much likelihood as one frequency that is off by one standard
+//! Peaks of a mobility do not say which mode they belong to, and a mode with a node at the sensor or at the hammer has
+//! no peak. A prediction therefore assigns peaks to modes in ascending order, by the assignment of the highest
+//! likelihood. The number of modes without a peak below the last assigned one is a further reading: it is 0, with a
+//! standard error of 2. Two missing modes thus cost as much likelihood as one frequency that is off by one standard
 //! error.
 
 use nailnoise_calibration::Simulator;
