@@ -10,8 +10,8 @@
 //! ```
 //!
 //! w, p and q are sums of products of Legendre polynomials (Ritz; Liew, Xiang and Kitipornchai, "Transverse vibration
-//! of thick rectangular plates", Computers and Structures 49, 1 (1993)). Normalised polynomials are orthonormal, and the
-//! derivative of one is a sum of lower ones, so that all integrals are exact products of derivative matrices. Symmetry
+//! of thick rectangular plates", Computers and Structures 49, 1 (1993)). Normalised polynomials are orthonormal, and
+//! the derivative of one is a sum of lower ones, so that all integrals are exact products of derivative matrices. Symmetry
 //! about both centre lines separates four classes. The rotations are eliminated statically. This is exact for the
 //! stiffness. Their inertia shifts a mode by about (k h)^2/24, 0.1 % at most here.
 //!
