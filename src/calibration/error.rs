@@ -60,6 +60,14 @@ pub enum CalibrationError {
         /// The file of measurements.
         measured: String,
     },
+    /// A predicted mode of a plate has too many nodal lines.
+    #[error("plate `{plate}` has a mode at {hz:.0} Hz with more nodal lines than the polynomials of its shape resolve")]
+    Unresolved {
+        /// Name of the plate.
+        plate: String,
+        /// Its frequency \[Hz\].
+        hz: f64,
+    },
     /// No key of the design that affects the cycle has a range.
     #[error("no key that takes part in the nailing cycle has a range, so that there is nothing to calibrate")]
     NoVariables,
@@ -93,6 +101,9 @@ impl Diagnostic for CalibrationError {
             }
             Self::Calibrated { .. } => {
                 Box::new("calibrate its base with all measurements in one file: draws are not drawn from draws")
+            }
+            Self::Unresolved { .. } => {
+                Box::new("lower `modes_up_to`: at most 8 nodal lines across the grain, 5 along it")
             }
             Self::NoVariables => Box::new("give keys a range, as { value = \"131 g\", range = \"+-5 %\" }"),
         })

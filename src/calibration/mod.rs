@@ -12,6 +12,7 @@ mod quantities;
 mod reader;
 mod result;
 mod start;
+mod structures;
 mod tool;
 #[cfg(test)]
 mod twins;
@@ -23,6 +24,9 @@ pub use files::{Files, JOINT};
 pub use next::NextRow;
 pub use posterior::{Request, Treatment, Work};
 pub use result::{CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, PairRow, Verdict};
+pub use structures::{
+    ModeRow, PeakRow, PlateInput, PlateResult, StructuresRequest, StructuresResult, calibrate_structures,
+};
 
 use crate::design::{Assignment, Design};
 use crate::error::Error;

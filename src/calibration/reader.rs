@@ -290,7 +290,11 @@ impl Reader<'_> {
 }
 
 /// The tables in a group, in the order of the file.
-fn tables<'t, 'i>(root: &Keys<'t, 'i>, group: &str, example: &str) -> Result<Vec<(String, Keys<'t, 'i>)>, KeyError> {
+pub(super) fn tables<'t, 'i>(
+    root: &Keys<'t, 'i>,
+    group: &str,
+    example: &str,
+) -> Result<Vec<(String, Keys<'t, 'i>)>, KeyError> {
     let Some(all) = root.table(group, &format!("[{group}]"))? else {
         return Ok(Vec::new());
     };
@@ -321,7 +325,7 @@ fn scalar(
 }
 
 /// A spread: an amount, a percentage, or both joined by a plus sign.
-fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Spread, KeyError> {
+pub(super) fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Spread, KeyError> {
     let Some(value) = table.get(key) else {
         return Ok(Spread {
             share: 0.0,
@@ -353,7 +357,7 @@ fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Sprea
 }
 
 /// The standard deviation of one reading: `error`, divided by `k`, or `rounding`.
-fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError> {
+pub(super) fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError> {
     const EXACT: &str = "no instrument is exact: give `error`, or `rounding` as half of the last digit";
     let factor = match (table.get("error"), table.get("rounding"), table.get("k")) {
         (Some(_), Some(_), _) => {

@@ -1,14 +1,14 @@
 //! `nailnoise calibrate`: the ranges of a design conditioned on measurements.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nailnoise_quantities::rounded;
 
 use super::table::{table, texts};
-use super::{Common, Keeping, Status, message, print, print_json, progress};
+use super::{Changes, Keeping, Memory, Status, Threads, folder_of, message, print, print_json, progress, structures};
 use crate::atomic_write::AtomicWrite;
-use crate::calibration::{self, CalibrationResult, ConflictRow, NextRow, Request, Treatment};
+use crate::calibration::{self, CalibrationResult, ConflictRow, NextRow, Request, StructuresRequest, Treatment};
 use crate::error::Error;
 use crate::store::Store;
 use crate::{figures, report};
@@ -28,15 +28,34 @@ const NEXT_SHOWN: usize = 8;
         check",
     "nailnoise calibrate my-tool.toml --next" => "what to measure first",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --draws 256 --moves 12" => "a quick look",
+    "nailnoise calibrate --structures examples/plates/spruce.toml" => "elastic constants of plates from tap tests",
 ))]
 pub(super) struct Arguments {
+    /// Design file (TOML)
+    #[arg(required_unless_present = "structures")]
+    design: Option<PathBuf>,
+    /// Print exactly one JSON value instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Folder for the output files [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
-    common: Common,
+    threads: Threads,
+    #[command(flatten)]
+    memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
     #[command(flatten)]
     keeping: Keeping,
     /// File of measurements (TOML)
-    #[arg(long, value_name = "FILE", required_unless_present = "next")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["next", "structures"])]
     measured: Option<PathBuf>,
+    /// Determine elastic constants of plates from tap tests in a file (TOML), without a design
+    #[arg(long, value_name = "FILE", conflicts_with_all = [
+        "design", "measured", "hold_out", "conflict", "next", "levels", "store", "set", "no_cache",
+    ])]
+    structures: Option<PathBuf>,
     /// Number of draws from the posterior; an odd number is raised by one
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(64..=16_384))]
     draws: u32,
@@ -64,9 +83,41 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
-    let common = &arguments.common;
-    let design = common.begin()?;
-    let folder = common.out(&design)?.join("calibration");
+    match (&arguments.structures, &arguments.design) {
+        (Some(file), _) => of_plates(arguments, file),
+        (None, Some(design)) => of_design(arguments, design),
+        // Ruled out by the command line.
+        (None, None) => Ok(Status::from(2)),
+    }
+}
+
+/// The plates of a file.
+fn of_plates(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
+    arguments.threads.start()?;
+    let folder = match &arguments.out {
+        Some(folder) => folder.clone(),
+        None => {
+            let name = file.file_stem().unwrap_or_default().to_string_lossy();
+            folder_of(Path::new("out"), &name, file)?
+        }
+    };
+    let request = StructuresRequest {
+        draws: arguments.draws.next_multiple_of(2) as usize,
+        moves: usize::from(arguments.moves),
+        seed: arguments.seed,
+    };
+    structures::execute(file, &folder.join("structures"), &request, arguments.json)
+}
+
+fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
+    arguments.threads.start()?;
+    let design = arguments.changes.load(path)?;
+    design.refuse_assembly()?;
+    let folder = match &arguments.out {
+        Some(folder) => folder.clone(),
+        None => folder_of(Path::new("out"), design.name(), design.path())?,
+    };
+    let folder = folder.join("calibration");
     let store = match &arguments.store {
         Some(folder) => Store::shared(folder)?,
         None => arguments.keeping.cache()?,
@@ -80,7 +131,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         next: arguments.next.then_some(arguments.levels as usize),
     };
     let progress = progress();
-    let set = &common.changes.set;
+    let set = &arguments.changes.set;
     let (result, files) =
         calibration::calibrate(&store, &design, set, arguments.measured.as_deref(), &request, &progress)?;
     progress.stage("writing files");
@@ -97,7 +148,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     for fault in &result.faults {
         message(&format!("not converged: {fault}"));
     }
-    if common.json {
+    if arguments.json {
         print_json(&result)?;
     } else {
         print(&text(&result))?;

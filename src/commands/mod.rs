@@ -45,6 +45,7 @@ mod run;
 mod schema;
 mod sensitivity;
 mod status;
+mod structures;
 mod study;
 mod study_text;
 mod sweep;
