@@ -6,7 +6,7 @@ use std::path::Path;
 use nailnoise_documents::Document;
 use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Numerics, Resolved, simulate};
 
-use crate::random_assembly::{Random, random_assembly};
+use crate::random_assembly::{Random, first_seed, random_assembly};
 
 const COUNT: u64 = 500;
 
@@ -16,14 +16,17 @@ fn read(text: &str) -> Result<Resolved, AssemblyError> {
 }
 
 fn check_place(text: &str, error: &AssemblyError) {
-    let lines = text.lines().count().max(1);
-    assert!((1..=lines).contains(&error.at.line()), "{error}\n{text}");
+    // A text whose damaged first lines name no assembly changes the N80CB, whose blocks then miss their keys.
+    if error.at.file().ends_with("random.toml") {
+        let lines = text.lines().count().max(1);
+        assert!((1..=lines).contains(&error.at.line()), "{error}\n{text}");
+    }
     assert!(!error.help().is_empty(), "{error}");
 }
 
 #[test]
 fn valid_assemblies_are_read() {
-    for seed in 0..COUNT {
+    for seed in first_seed()..first_seed() + COUNT {
         let text = random_assembly(&mut Random::new(seed));
         let resolved = read(&text).unwrap_or_else(|error| panic!("{error}; {}\n{text}", error.help()));
         assert_eq!(resolved.assembly.reservoirs.len(), 2);
@@ -33,7 +36,7 @@ fn valid_assemblies_are_read() {
 #[test]
 fn random_assemblies_end_with_their_energy_balanced_or_with_an_error() {
     let mut ended = 0;
-    for seed in 0..COUNT / 5 {
+    for seed in first_seed()..first_seed() + COUNT / 5 {
         let text = random_assembly(&mut Random::new(seed));
         let Ok(resolved) = read(&text) else { panic!("{text}") };
         let numerics = Numerics {
@@ -73,7 +76,7 @@ const FAULTS: [(&str, &str); 14] = [
 
 #[test]
 fn broken_assemblies_are_refused_with_a_place_and_a_remedy() {
-    for seed in 0..COUNT {
+    for seed in first_seed()..first_seed() + COUNT {
         let mut random = Random::new(seed + 10_000);
         let text = random_assembly(&mut random);
         let usable: Vec<_> = FAULTS.iter().filter(|(from, _)| text.contains(from)).collect();
@@ -89,7 +92,7 @@ fn broken_assemblies_are_refused_with_a_place_and_a_remedy() {
 #[test]
 fn texts_with_random_damage_never_panic() {
     let mut refused = 0;
-    for seed in 0..COUNT {
+    for seed in first_seed()..first_seed() + COUNT {
         let mut random = Random::new(seed + 20_000);
         let text = random_assembly(&mut random);
         let mut characters: Vec<char> = text.chars().collect();

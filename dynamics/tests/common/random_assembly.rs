@@ -31,6 +31,12 @@ impl Random {
     }
 }
 
+/// The first of the seeds of a test: 0, or the number in `NAILNOISE_SEED`, for runs with further assemblies.
+pub(crate) fn first_seed() -> u64 {
+    let given = std::env::var("NAILNOISE_SEED").ok();
+    given.and_then(|text| text.parse().ok()).unwrap_or(0)
+}
+
 /// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds, contacts, springs,
 /// friction, a trigger and events.
 pub(crate) fn random_assembly(random: &mut Random) -> String {
