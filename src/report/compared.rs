@@ -3,12 +3,11 @@
 use maud::{Markup, html};
 
 use super::chart::markup;
-use super::head::capitalised;
 use super::page::{Page, Section};
 use super::sound::{self, Recording};
 use super::table;
 use super::tables::decibels;
-use super::typography::{typeset, with_code};
+use super::typography::{capitalised, typeset, with_code};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow};
 use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape, from_event, of_design};
 use crate::study::PairedStudy;

@@ -20,7 +20,8 @@ pub(super) fn section(result: &RunResult) -> Markup {
         }
         p.quiet {
             (with_subscripts("L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak \
-                in dB re 20 \u{b5}Pa at the operator's ear, ")) (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
+                in dB re 20 \u{b5}Pa at the operator's ear, "))
+            (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
             " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 \
              sigma over draws of inputs and methods is that of the sound power for all three. "
             @if ear.synthetic_share > 0.005 {

@@ -5,7 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use maud::{Markup, html};
 
 use super::tables;
-use super::typography::{with_code, with_subscripts};
+use super::typography::{capitalised, with_code, with_subscripts};
 use crate::design::{Design, Value};
 use crate::model::supports;
 use crate::result::{Ends, RankedSource, RunResult, StudySummary};
@@ -136,18 +136,6 @@ pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
             }
         }
     }
-}
-
-/// A sentence with a capital first letter. A key or a symbol at its start keeps its letters.
-pub(crate) fn capitalised(text: &str) -> String {
-    let first = text.split(' ').next().unwrap_or_default();
-    if first.trim_end_matches(['.', ':', ',']).contains(['.', '_', '=']) {
-        return text.to_owned();
-    }
-    let mut letters = text.chars();
-    letters
-        .next()
-        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Client and author, according to the design.

@@ -2,10 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::head::capitalised;
 use super::table;
 use super::tables::{self, decibels};
-use super::typography::{typeset, with_code};
+use super::typography::{capitalised, typeset, with_code};
 use crate::result::{CrossCheck, FluidLoading, Loading, ModeShare, RadiationReport, RankedSource, RunResult};
 use crate::tables::{Column, Table, dash, run};
 use crate::wording::{band, change};

@@ -57,9 +57,9 @@ use crate::tables::cycle::figures as figures_of;
 use crate::tables::run as run_tables;
 use crate::virtual_test::comparison::MeasuredComparison;
 
-pub(crate) use head::{capitalised, missed as missed_shot};
+pub(crate) use head::missed as missed_shot;
 pub use sound::Recording;
-pub(crate) use typography::with_code;
+pub(crate) use typography::{capitalised, with_code};
 
 pub(crate) use page::compared_by;
 use page::{Page, Section};
@@ -342,7 +342,7 @@ fn ranking(result: &RunResult) -> Markup {
             }
         }
         (declared::section(result))
-        ul.notes { @for note in &result.notes { li { (typography::with_code(&head::capitalised(note))) } } }
+        ul.notes { @for note in &result.notes { li { (typography::with_code(&typography::capitalised(note))) } } }
     }
 }
 

@@ -2,10 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::head::capitalised;
 use super::page::{Page, Section};
 use super::table;
-use super::typography::{typeset, with_subscripts};
+use super::typography::{capitalised, typeset, with_subscripts};
 use crate::declaration::{Finished, Use};
 use crate::tables::{Cell, Column, Table};
 use crate::wording::in_one_unit;

@@ -3,10 +3,9 @@
 use maud::{Markup, html};
 
 use super::chart::markup;
-use super::head::capitalised;
 use super::page::{Page, Section};
 use super::table;
-use super::typography::with_code;
+use super::typography::{capitalised, with_code};
 use crate::figures::Chart;
 use crate::headline::alarms;
 use crate::study::{Axis, SweptPoint};

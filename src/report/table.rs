@@ -2,8 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::head::capitalised;
-use super::typography::{with_code, with_subscripts};
+use super::typography::{capitalised, with_code, with_subscripts};
 use crate::tables::{Cell, Column, Content, Table};
 
 /// Longest text of a cell that is not broken into lines \[characters\].

@@ -52,6 +52,18 @@ fn symbols(text: &str) -> String {
     set
 }
 
+/// A sentence with a capital first letter. A key or a symbol at its start keeps its letters.
+pub(crate) fn capitalised(text: &str) -> String {
+    let first = text.split(' ').next().unwrap_or_default();
+    if first.trim_end_matches(['.', ':', ',']).contains(['.', '_', '=']) {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A line of plain text in which words between backticks become code.
 pub(crate) fn with_code(line: &str) -> Markup {
     let parts = line.split('`').enumerate();
