@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::common::{ROOT, command, folder, json};
+use crate::common::{ROOT, command, folder, json, over};
 
 /// The blocks of TOML of the page.
 fn blocks() -> Vec<String> {
@@ -158,6 +158,17 @@ fn files_and_figures_are_written() {
     ] {
         assert!(out.join(file).exists(), "{file}");
     }
+}
+
+/// The blow gun has no outcome that a study of the N80CB counts, so all its shots count.
+#[test]
+fn a_study_of_an_assembly_is_written_with_its_draws() {
+    let folder = folder("assembly/study");
+    let text = "[cycle]\nassembly = \"blow_gun\"\nend = \"40 ms\"\n[study]\nscreening = 4\nrequire = []";
+    let gun = over(&folder, "gun", text);
+    let output = nailnoise(&folder, &["study", &gun, "-n", "2", "--json", "--out", "out"]);
+    assert_eq!(json(&output)["draws"], 2);
+    assert!(folder.join("out/study/draws.csv").is_file());
 }
 
 /// Mass that left through a passage of a test bench for silencers \[kg\].
