@@ -83,6 +83,17 @@ struct Section {
 pub(crate) fn svg(tool: &str, assembly: &Assembly) -> String {
     let diagram = Diagram::new(assembly);
     let height = diagram.height();
+    let counts = [
+        (assembly.volumes.len(), "volume"),
+        (assembly.passages.len(), "passage"),
+        (assembly.bodies.len(), "body"),
+        (assembly.triggers.len(), "trigger"),
+    ];
+    let counts = counts.map(|(number, noun)| match (number, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "body") => format!("{number} bodies"),
+        _ => format!("{number} {noun}s"),
+    });
     let markup = html! {
         svg.network xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height:.0}")) width=(WIDTH)
             height=(format!("{height:.0}")) {
@@ -91,8 +102,7 @@ pub(crate) fn svg(tool: &str, assembly: &Assembly) -> String {
             style { (PreEscaped(STYLE)) }
             rect width=(WIDTH) height=(format!("{height:.0}")) fill="#fff" {}
             text.title x="16" y="30" { (tool) ": assembly " (assembly.name) }
-            text.quiet x="16" y="50" { (assembly.volumes.len()) " volumes, " (assembly.passages.len()) " passages, "
-                (assembly.bodies.len()) " bodies, " (assembly.triggers.len()) " triggers" }
+            text.quiet x="16" y="50" { (counts.join(", ")) }
             (diagram.markup())
         }
     };

@@ -32,9 +32,16 @@ pub(super) fn key(events: &[Event], loud: &[String]) -> Markup {
     let is_loud = |event: &&Event| loud.iter().any(|name| crate::figures::symbol(name) == event.symbol);
     let (shown, others): (Vec<&Event>, Vec<&Event>) = events.iter().partition(is_loud);
     let list = |events: &[&Event]| {
-        html! { ul.key-of-events { @for event in events { li { @if event.symbol.replace('_', " ") != event.name { b { (event.symbol) } " " }
-        (event.name) " "
-        span.quiet { (format!("{:.2} ms", event.at)) } } } } }
+        html! {
+            ul.key-of-events {
+                @for event in events {
+                    li {
+                        @if event.symbol.replace('_', " ") != event.name { b { (event.symbol) } " " }
+                        (event.name) " " span.quiet { (format!("{:.2} ms", event.at)) }
+                    }
+                }
+            }
+        }
     };
     html! {
         (list(&shown))

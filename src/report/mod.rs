@@ -219,13 +219,10 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             },
         )
         .in_the_appendix(),
-        Section::new(
-            "energy",
-            "Energy flow",
-            html! { @if let Some(chart) = &energy { (chart::markup(chart)) } },
-        )
-        .in_the_appendix(),
     ]);
+    if let Some(chart) = &energy {
+        sections.push(Section::new("energy", "Energy flow", chart::markup(chart)).in_the_appendix());
+    }
     if !result.sensors.is_empty() || !result.transducers.is_empty() {
         sections.push(
             Section::new(
