@@ -84,16 +84,12 @@ pub(crate) fn svg(tool: &str, assembly: &Assembly) -> String {
     let diagram = Diagram::new(assembly);
     let height = diagram.height();
     let counts = [
-        (assembly.volumes.len(), "volume"),
-        (assembly.passages.len(), "passage"),
-        (assembly.bodies.len(), "body"),
-        (assembly.triggers.len(), "trigger"),
+        (assembly.volumes.len(), "volume", "volumes"),
+        (assembly.passages.len(), "passage", "passages"),
+        (assembly.bodies.len(), "moving body", "moving bodies"),
+        (assembly.triggers.len(), "trigger", "triggers"),
     ];
-    let counts = counts.map(|(number, noun)| match (number, noun) {
-        (1, _) => format!("1 {noun}"),
-        (_, "body") => format!("{number} bodies"),
-        _ => format!("{number} {noun}s"),
-    });
+    let counts = counts.map(|(number, one, many)| format!("{number} {}", if number == 1 { one } else { many }));
     let markup = html! {
         svg.network xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height:.0}")) width=(WIDTH)
             height=(format!("{height:.0}")) {

@@ -24,6 +24,7 @@ mod penetration_fit;
 mod penetration_tables;
 mod report;
 mod run;
+mod structures;
 mod study;
 mod sweep;
 mod verify;
