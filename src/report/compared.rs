@@ -145,9 +145,8 @@ fn lead(c: &Comparison, paired: &[PairedStudy]) -> Markup {
             design. 3 dB less is half of the sound energy; 10 dB less is a tenth of it, and sounds about half as \
             loud." }
         p.quiet {
-            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation \
-             of the \
-             documentation. Differences between designs of one tool are more reliable than levels."
+            "Absolute levels are predictions; the page Validation of the documentation compares those of one tool with \
+             published tests. Differences between designs of one tool are more reliable than levels."
         }
     }
 }
@@ -219,7 +218,7 @@ fn overview(c: &Comparison, paired: &[PairedStudy]) -> Chart {
         (true, false) => "",
     };
     let caption = format!(
-        "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower edge of the \
+        "A-weighted levels of each source and of all together, dB re 1 pW s. The bars begin at the lower edge of the \
          axis: a level has no zero of its own.{intervals}"
     );
     chart(c, "overview".to_owned(), caption, panel)

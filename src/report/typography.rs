@@ -52,10 +52,10 @@ fn symbols(text: &str) -> String {
     set
 }
 
-/// A sentence with a capital first letter. A key or a symbol at its start keeps its letters.
+/// A sentence with a capital first letter. A key, a symbol or the name before a colon keeps its letters.
 pub(crate) fn capitalised(text: &str) -> String {
     let first = text.split(' ').next().unwrap_or_default();
-    if first.trim_end_matches(['.', ':', ',']).contains(['.', '_', '=']) {
+    if first.ends_with(':') || first.trim_end_matches(['.', ',']).contains(['.', '_', '=']) {
         return text.to_owned();
     }
     let mut letters = text.chars();

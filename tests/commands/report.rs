@@ -549,7 +549,9 @@ fn an_interruption_leaves_no_partial_file() {
         if !status.success() {
             assert!(sent.success());
             interrupted += 1;
-            assert_eq!(status.code(), Some(130));
+            // On a busy machine the first signal may come before the program handles it: then the system ends it.
+            let early = index == 0 && std::os::unix::process::ExitStatusExt::signal(&status) == Some(2);
+            assert!(status.code() == Some(130) || early, "{status}");
         }
         let left = left_in(&out);
         assert!(left.iter().all(|name| !name.starts_with('.')), "{left:?}");
