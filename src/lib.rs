@@ -20,6 +20,7 @@ pub mod chain;
 pub mod commands;
 pub mod comparison;
 pub mod cost;
+mod decibels;
 pub mod declaration;
 pub mod design;
 pub mod drawing;

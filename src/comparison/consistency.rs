@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use nailnoise_acoustics::signals::{REFERENCE_ENERGY, SILENCE};
 
+use crate::decibels::energy;
 use crate::result::{BandLevel, Component, IntervalLevel, RankedSource, Total};
 
 /// Largest difference between a level and the sum of its parts \[dB\], for levels rounded to two decimals.
@@ -179,11 +180,6 @@ fn sum(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fa
 /// Energy of a part relative to the reference: the stated one, which may be negative, or that of its level.
 fn part_energy(level: Option<f64>, stated: Option<f64>) -> f64 {
     stated.map_or_else(|| energy(level), |joule| joule / REFERENCE_ENERGY)
-}
-
-/// Energy of a level relative to its reference; zero for a silent source.
-fn energy(level: Option<f64>) -> f64 {
-    level.map_or(0.0, |level| 10f64.powf(0.1 * level))
 }
 
 fn level(level: Option<f64>) -> String {

@@ -320,7 +320,7 @@ mod tests {
     fn first_order_indices_of_an_energy_sum_are_those_by_quadrature() {
         let points = inputs(1 << 14, 3);
         let z = |u: f64| super::super::normal::quantile(u + 1e-9);
-        let level = |u: &[f64; 3]| super::super::statistics::energy_sum([100.0 + 3.0 * z(u[0]), 97.0 + 4.0 * z(u[1])]);
+        let level = |u: &[f64; 3]| crate::decibels::energy_sum([100.0 + 3.0 * z(u[0]), 97.0 + 4.0 * z(u[1])]);
         let levels: Vec<f64> = points.iter().map(level).collect();
         for (input, expected) in [0.580_996, 0.376_207].into_iter().enumerate() {
             let values: Vec<f64> = points.iter().map(|point| point[input]).collect();

@@ -75,8 +75,8 @@ mod tests {
     use nailnoise_acoustics::random::uniform;
 
     use super::*;
+    use crate::decibels::energy_sum;
     use crate::study::normal;
-    use crate::study::statistics::energy_sum;
 
     /// Rows of a function of inputs that are uniform in 0 .. 1 under a condition, each input a group: the part that is
     /// not shared is drawn until it satisfies the condition.

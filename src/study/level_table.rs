@@ -1,8 +1,8 @@
 //! Levels of the draws as a table: one row per draw, one column per source.
 
 use super::draws::{Draw, Draws};
-use super::statistics::energy_sum;
 use super::variables::{Drawn, Variable};
+use crate::decibels::energy_sum;
 use crate::design::Value;
 use crate::result::TOTAL;
 use crate::stages::levels::Levels;

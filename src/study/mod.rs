@@ -66,7 +66,6 @@ pub(crate) use screening::drawn;
 pub use screening::{Candidate, Tally, screen};
 pub use serving::{Serving, StudySource, study};
 pub use shots::{Counted, DrawnShot, ShotSampler, Shots, cycle_variables, shots};
-pub(crate) use statistics::energy_sum;
 pub use statistics::{Estimate, Quantiles};
 pub use study_store::{Found, store_study, stored_study};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};

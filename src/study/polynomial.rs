@@ -361,7 +361,7 @@ mod tests {
     #[test]
     fn indices_of_an_energy_sum_are_those_by_quadrature() {
         let z = |u: f64| super::super::normal::quantile(u);
-        let level = |u: &[f64]| super::super::statistics::energy_sum([100.0 + 3.0 * z(u[0]), 97.0 + 4.0 * z(u[1])]);
+        let level = |u: &[f64]| crate::decibels::energy_sum([100.0 + 3.0 * z(u[0]), 97.0 + 4.0 * z(u[1])]);
         let (q2, indices) = found(&points(1000, 2), level);
         assert!(q2 > 0.97, "{q2}");
         for ((_, found), expected) in indices.iter().zip([[0.580_996, 0.623_793], [0.376_207, 0.419_004]]) {

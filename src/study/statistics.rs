@@ -11,6 +11,8 @@ use nailnoise_acoustics::random::uniform;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::decibels::energy_sum;
+
 /// Number of bootstrap resamples.
 pub(super) const RESAMPLES: usize = 1000;
 
@@ -71,15 +73,6 @@ pub(super) fn weighted_mean(figures: &[f64], counts: &[u32]) -> f64 {
         .zip(counts)
         .map(|(figure, &count)| f64::from(count) * figure);
     weighted.sum::<f64>() / f64::from(counts.iter().sum::<u32>())
-}
-
-/// The level of the sum of the energies of levels \[dB\].
-pub(crate) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
-    10.0 * levels
-        .into_iter()
-        .map(|level| 10f64.powf(0.1 * level))
-        .sum::<f64>()
-        .log10()
 }
 
 /// Resampled draws. A resample is made on demand: the count of each draw takes 4 bytes while one estimate uses it,

@@ -61,8 +61,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::decibels::energy_sum;
     use crate::study::normal;
-    use crate::study::statistics::energy_sum;
     use nailnoise_acoustics::random::uniform;
 
     const SEEDS: u64 = 200;

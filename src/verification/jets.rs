@@ -8,8 +8,8 @@ use nailnoise_acoustics::signals::{REFERENCE_PRESSURE, Weighting};
 use nailnoise_acoustics::{Air, GAS_CONSTANT, HEAT_RATIO};
 
 use super::row::{Case, Row};
+use crate::decibels::energy_sum;
 use crate::error::Error;
-use crate::study::energy_sum;
 
 const WHOLE: Case = Case {
     name: "cold jet, setpoint 7, overall",

@@ -3,6 +3,7 @@
 use nailnoise_acoustics::random::uniform;
 
 use super::measurements::MeasuredQuantity;
+use crate::decibels::{energy, energy_sum};
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::measurement::arrangement::Part;
@@ -174,7 +175,7 @@ impl Quantity {
                 found(value(&own.own), own.drawn.iter().map(value).collect())
             })
         };
-        let sum = |levels: &[f64]| 10.0 * levels.iter().map(|level| 10f64.powf(0.1 * level)).sum::<f64>().log10();
+        let sum = |levels: &[f64]| energy_sum(levels.iter().copied());
         match self {
             Self::Bound(setup) => levels(setup, &|own| own.bound),
             Self::Workpiece(setup) => levels(setup, &|own| own.workpiece),
@@ -327,7 +328,6 @@ fn drawn_wraps(design: &Design, seed: u64, draw: u64) -> Wrapping {
 
 /// Levels of a test with the sources of `own`, changed in each band by `change(source, hz)` \[dB\], with these wraps.
 fn levels_of(own: &ExactTest, wraps: &Wrapping, change: impl Fn(usize, f64) -> f64) -> TestLevels {
-    let energy = |level: Option<f64>| level.map_or(0.0, |level| 10f64.powf(0.1 * level));
     let mut total = [0.0; 5];
     let mut workpiece = 0.0;
     for band in &own.bands {
