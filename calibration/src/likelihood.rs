@@ -54,6 +54,20 @@ impl ErrorLaw {
             }
         }
     }
+
+    /// The error below which the probability is `p`, 0 < p < 1. For 4 degrees of freedom, with a = 4 p (1 - p),
+    /// t = 2 (cos(arccos(a^(1/2))/3)/a^(1/2) - 1)^(1/2), and the sign of p - 1/2 (Shaw, "Sampling Student's T
+    /// distribution", Journal of Computational Finance 9, 37 (2006)).
+    pub fn quantile(self, p: f64) -> f64 {
+        match self {
+            Self::Gaussian => normal::quantile(p),
+            Self::Student => {
+                let root = (4.0 * p * (1.0 - p)).max(f64::EPSILON).sqrt().min(1.0);
+                let q = ((root.acos() / 3.0).cos() / root - 1.0).max(0.0);
+                2.0 * q.sqrt().copysign(p - 0.5)
+            }
+        }
+    }
 }
 
 /// The observed value or interval.
@@ -385,6 +399,15 @@ mod tests {
 
     fn likelihood(data: Vec<Datum>, law: ErrorLaw) -> Likelihood {
         Likelihood::new(data, 1, &[], law).unwrap()
+    }
+
+    #[test]
+    fn the_quantile_inverts_the_cumulative_probability() {
+        for law in [ErrorLaw::Student, ErrorLaw::Gaussian] {
+            for p in [0.001, 0.05, 0.3, 0.5, 0.8, 0.99] {
+                assert!((law.cumulative(law.quantile(p)) - p).abs() < 1e-9, "{law:?}: {p}");
+            }
+        }
     }
 
     #[test]

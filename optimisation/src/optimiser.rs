@@ -248,7 +248,7 @@ impl Optimiser {
         places
     }
 
-    /// Indices of the observations to which models are fitted: those nearest to the best.
+    /// Indices of the observations nearest to the best. Models are fitted to these.
     fn nearest(&self, observed: &[Observation], best: Option<usize>) -> Vec<usize> {
         let mut places: Vec<usize> = (0..observed.len()).collect();
         if let Some(best) = best.filter(|_| observed.len() > MAX_OBSERVATIONS) {

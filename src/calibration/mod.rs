@@ -9,6 +9,7 @@ mod measurements;
 mod next;
 mod posterior;
 mod quantities;
+mod random;
 mod reader;
 mod result;
 mod start;
@@ -23,7 +24,9 @@ pub use error::CalibrationError;
 pub use files::{Files, JOINT};
 pub use next::NextRow;
 pub use posterior::{Request, Treatment, Work};
-pub use result::{CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, PairRow, Verdict};
+pub use result::{
+    CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, NOT_CONVERGED, PairRow, Verdict,
+};
 pub use structures::{
     ModeRow, PeakRow, PlateInput, PlateResult, StructuresRequest, StructuresResult, calibrate_structures,
 };

@@ -21,7 +21,10 @@ use crate::study::{Drawn, Variable, VariableKind};
 const SCHEMA: &str = "nailnoise-calibrated/1";
 
 /// Largest ratio of the widths after and before at which an input counts as moved.
-const MOVED: f64 = 0.9;
+pub(super) const MOVED: f64 = 0.9;
+
+/// Remedy for draws that have not converged.
+pub const NOT_CONVERGED: &str = "do not rely on these intervals; double --draws, then --moves 48";
 
 /// Smallest rank correlation of a pair of inputs that is reported.
 const CORRELATED: f64 = 0.3;
@@ -93,8 +96,7 @@ pub struct CalibrationResult {
 impl CalibrationResult {
     /// Whether any measurement, including held-out ones, contradicts others or is out of reach.
     pub fn has_conflict(&self) -> bool {
-        let is_met = |own: &MeasurementRow| matches!(own.verdict, Verdict::Met | Verdict::Predicted);
-        !self.measurements.iter().all(is_met)
+        self.measurements.iter().any(|own| own.verdict.is_conflict())
     }
 }
 
@@ -121,6 +123,11 @@ impl Verdict {
             Self::Conflict => "conflict",
             Self::NotReached => "not reached",
         }
+    }
+
+    /// Whether others contradict it, or no candidate comes near it.
+    pub(super) fn is_conflict(self) -> bool {
+        matches!(self, Self::Conflict | Self::NotReached)
     }
 }
 
@@ -298,6 +305,12 @@ fn quantile(values: impl Iterator<Item = f64>, p: f64) -> f64 {
     quantile_of(&mut values.filter(|own| own.is_finite()).collect::<Vec<_>>(), p)
 }
 
+/// P5, P50 and P95 of the finite values.
+pub(super) fn percentiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut values: Vec<f64> = values.filter(|own| own.is_finite()).collect();
+    [0.05, 0.5, 0.95].map(|p| quantile_of(&mut values, p))
+}
+
 fn interval(values: &[f64]) -> [f64; 2] {
     [0.05, 0.95].map(|p| quantile(values.iter().copied(), p))
 }
@@ -392,8 +405,8 @@ pub(super) fn result(
     let figures = FIGURES.iter().enumerate().map(|(k, figure)| FigureRow {
         name: figure.name,
         unit: figure.unit,
-        before: [0.05, 0.5, 0.95].map(|p| quantile(before.iter().map(|row| row[k]), p)),
-        now: [0.05, 0.5, 0.95].map(|p| quantile(now.iter().map(|row| row[k]), p)),
+        before: percentiles(before.iter().map(|row| row[k])),
+        now: percentiles(now.iter().map(|row| row[k])),
     });
     let measurements = (0..measured.data.len()).map(|k| row(posterior, measured, k)).collect();
     let share = posterior.start.accepted.len() as f64 / posterior.start.drawn.max(1) as f64;

@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::likelihood::{Likelihood, Prediction};
-use nailnoise_calibration::normal;
 use nailnoise_calibration::sampler::Candidate;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::error::CalibrationError;
+use super::random::standard_normal;
 use super::tool::Tool;
 use crate::design::Values;
 use crate::stages::Progress;
@@ -85,8 +84,7 @@ impl Start {
                     let point = tool.sampler.point(frame, index, &mut Rejections::new()).ok()?;
                     let mut z = tool.sampler.to_normal(&point);
                     let shared = 0..tool.shared.len() as u64;
-                    // `uniform` is in [0, 1).
-                    z.extend(shared.map(|k| normal::quantile(uniform(seed ^ SHARED, index, k).max(f64::EPSILON))));
+                    z.extend(shared.map(|k| standard_normal(seed ^ SHARED, index, k)));
                     Some(try_point(tool, likelihood, z))
                 })
                 .collect();

@@ -12,15 +12,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::Prediction;
-use nailnoise_calibration::normal;
 use nailnoise_documents::Document;
 
 use super::measurements::Measurements;
 use super::posterior::{Calibration, Request, Treatment};
 use super::quantities::Quantity;
+use super::random::standard_normal;
 use super::reader::Reader;
 use super::result::{CalibrationResult, figures_of, result};
 use super::tool::Tool;
@@ -142,9 +141,8 @@ fn hidden(tool: &Tool, twin: u64) -> (Vec<f64>, Vec<f64>) {
             continue;
         };
         let mut z = tool.sampler.to_normal(&point);
-        let shared =
-            (0..tool.shared.len() as u64).map(|k| normal::quantile(uniform(HIDDEN ^ twin, index, k).max(1e-9)));
-        z.extend(shared);
+        let shared = 0..tool.shared.len() as u64;
+        z.extend(shared.map(|k| standard_normal(HIDDEN ^ twin, index, k)));
         let predictions: Result<Vec<Vec<Prediction>>, _> =
             (0..tool.conditions.len()).map(|k| tool.predict(&z, k)).collect();
         let Ok(predictions) = predictions else { continue };
@@ -168,7 +166,7 @@ fn hidden(tool: &Tool, twin: u64) -> (Vec<f64>, Vec<f64>) {
 fn readings(tool: &Tool, measured: &Measurements, z: &[f64], truth: &[f64], twin: u64) -> Vec<f64> {
     let likelihood = super::tool::likelihood(tool, measured, &[], &Default::default()).unwrap();
     let error = |k: usize| {
-        let e = normal::quantile(uniform(HIDDEN.rotate_left(9) ^ twin, 1, k as u64).max(1e-9));
+        let e = standard_normal(HIDDEN.rotate_left(9) ^ twin, 1, k as u64);
         likelihood.data()[k].scale * e + likelihood.shared(k, z)
     };
     truth.iter().enumerate().map(|(k, truth)| truth + error(k)).collect()

@@ -4,11 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nailnoise_quantities::rounded;
+use serde::Serialize;
 
 use super::table::{table, texts};
-use super::{Changes, Keeping, Memory, Status, Threads, folder_of, message, print, print_json, progress, structures};
+use super::{Keeping, Options, Status, given_or_named, message, print, print_json, progress, structures};
 use crate::atomic_write::AtomicWrite;
-use crate::calibration::{self, CalibrationResult, ConflictRow, NextRow, Request, StructuresRequest, Treatment};
+use crate::calibration::{
+    self, CalibrationResult, ConflictRow, NOT_CONVERGED, NextRow, Request, StructuresRequest, Treatment,
+    calibrate_structures,
+};
 use crate::error::Error;
 use crate::store::Store;
 use crate::{figures, report};
@@ -34,18 +38,8 @@ pub(super) struct Arguments {
     /// Design file (TOML)
     #[arg(required_unless_present = "structures")]
     design: Option<PathBuf>,
-    /// Print exactly one JSON value instead of tables
-    #[arg(long)]
-    json: bool,
-    /// Folder for the output files [default: out/NAME]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
     #[command(flatten)]
-    threads: Threads,
-    #[command(flatten)]
-    memory: Memory,
-    #[command(flatten)]
-    changes: Changes,
+    options: Options,
     #[command(flatten)]
     keeping: Keeping,
     /// File of measurements (TOML)
@@ -68,10 +62,10 @@ pub(super) struct Arguments {
     /// Only predict these measurements, as a check
     #[arg(long, value_name = "ID,..", value_delimiter = ',')]
     hold_out: Vec<String>,
-    /// What is done with measurements that contradict each other
+    /// Treatment of measurements that contradict each other
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Treatment::LeaveOut)]
     conflict: Treatment,
-    /// State what to measure next, by what it would tell of the levels in an hour of work; needs no measurements
+    /// Rank further measurements by how much an hour of work on each narrows the levels; needs no measurements
     #[arg(long)]
     next: bool,
     /// Number of draws whose levels are computed for --next
@@ -80,6 +74,13 @@ pub(super) struct Arguments {
     /// Keep candidates and draws in this folder, and not in the cache
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     store: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// Number of draws; even.
+    fn draws(&self) -> usize {
+        self.draws.next_multiple_of(2) as usize
+    }
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
@@ -93,37 +94,59 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 
 /// The plates of a file.
 fn of_plates(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
-    arguments.threads.start()?;
-    let folder = match &arguments.out {
-        Some(folder) => folder.clone(),
-        None => {
-            let name = file.file_stem().unwrap_or_default().to_string_lossy();
-            folder_of(Path::new("out"), &name, file)?
-        }
-    };
+    arguments.options.threads.start()?;
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = given_or_named(arguments.options.out.as_deref(), &name, file)?.join("structures");
     let request = StructuresRequest {
-        draws: arguments.draws.next_multiple_of(2) as usize,
+        draws: arguments.draws(),
         moves: usize::from(arguments.moves),
         seed: arguments.seed,
     };
-    structures::execute(file, &folder.join("structures"), &request, arguments.json)
+    let progress = progress();
+    let result = calibrate_structures(file, &request, &progress)?;
+    progress.stage("writing files");
+    let staging = AtomicWrite::within(&folder)?;
+    staging.write("modes.csv".as_ref(), &structures::modes(&result)?)?;
+    place(staging, structures::RESULT, &result)?;
+    progress.end();
+    for (plate, fault) in result.faults() {
+        message(&format!("plate {plate} not converged: {fault}"));
+    }
+    if arguments.options.json {
+        print_json(&result)?;
+    } else {
+        print(&structures::text(&result))?;
+        print(&format!("\n  files in {}\n", folder.display()))?;
+    }
+    Ok(status(result.converged(), result.has_conflict()))
+}
+
+/// Writes the result last, and puts all files in their place.
+fn place(staging: AtomicWrite, name: &str, result: &impl Serialize) -> Result<(), Error> {
+    let json = serde_json::to_string_pretty(result).map_err(Error::Json)? + "\n";
+    staging.write(name.as_ref(), json.as_bytes())?;
+    staging.place(&[], name.as_ref())
+}
+
+/// Status 3 for draws that have not converged, 1 for measurements that contradict each other.
+fn status(converged: bool, has_conflict: bool) -> Status {
+    match (converged, has_conflict) {
+        (false, _) => Status::from(3),
+        (true, true) => Status::from(1),
+        (true, false) => Status::SUCCESS,
+    }
 }
 
 fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
-    arguments.threads.start()?;
-    let design = arguments.changes.load(path)?;
-    design.refuse_assembly()?;
-    let folder = match &arguments.out {
-        Some(folder) => folder.clone(),
-        None => folder_of(Path::new("out"), design.name(), design.path())?,
-    };
-    let folder = folder.join("calibration");
+    let options = &arguments.options;
+    let design = options.begin(path)?;
+    let folder = options.out(&design)?.join("calibration");
     let store = match &arguments.store {
         Some(folder) => Store::shared(folder)?,
         None => arguments.keeping.cache()?,
     };
     let request = Request {
-        draws: arguments.draws.next_multiple_of(2) as usize,
+        draws: arguments.draws(),
         moves: usize::from(arguments.moves),
         seed: arguments.seed,
         hold_out: arguments.hold_out.clone(),
@@ -131,7 +154,7 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
         next: arguments.next.then_some(arguments.levels as usize),
     };
     let progress = progress();
-    let set = &arguments.changes.set;
+    let set = &options.changes.set;
     let (result, files) =
         calibration::calibrate(&store, &design, set, arguments.measured.as_deref(), &request, &progress)?;
     progress.stage("writing files");
@@ -141,14 +164,12 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
     staging.write("posterior.csv".as_ref(), &files.draws)?;
     staging.write(calibration::JOINT.as_ref(), &files.joint)?;
     staging.write("calibrated.toml".as_ref(), files.design(&folder).as_bytes())?;
-    let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
-    staging.write(LAST.as_ref(), json.as_bytes())?;
-    staging.place(&[], LAST.as_ref())?;
+    place(staging, LAST, &result)?;
     progress.end();
     for fault in &result.faults {
         message(&format!("not converged: {fault}"));
     }
-    if arguments.json {
+    if options.json {
         print_json(&result)?;
     } else {
         print(&text(&result))?;
@@ -157,13 +178,7 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
             folder.display()
         ))?;
     }
-    Ok(if !result.converged {
-        Status::from(3)
-    } else if result.has_conflict() {
-        Status::from(1)
-    } else {
-        Status::SUCCESS
-    })
+    Ok(status(result.converged, result.has_conflict()))
 }
 
 fn number(value: f64) -> String {
@@ -196,7 +211,7 @@ fn text(result: &CalibrationResult) -> String {
         result.design.name, result.draws, result.measured, result.draws, result.candidates
     );
     if !result.converged {
-        text.push_str("NOT CONVERGED: do not rely on these intervals; double --draws, then --moves 48\n");
+        text.push_str(&format!("NOT CONVERGED: {NOT_CONVERGED}\n"));
     }
     let rows = result.measurements.iter().map(|own| {
         let held_out = if own.counts { "" } else { "not used" };

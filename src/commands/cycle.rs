@@ -97,11 +97,11 @@ struct CycleResult<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    if let Some(tool) = AssembledTool::load(&common.design, &common.changes.set)? {
+    if let Some(tool) = AssembledTool::load(&common.design, &common.options.changes.set)? {
         return of_assembly(arguments, &tool);
     }
     let design = common.begin()?;
-    cost::refuse(&design, &[cost::of_cycle(&design)], common.memory.limit())?;
+    cost::refuse(&design, &[cost::of_cycle(&design)], common.options.memory.limit())?;
     if arguments.sensitivity {
         return super::sensitivity::execute(common, &design, &arguments.outputs, &arguments.parameters);
     }
@@ -111,7 +111,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let preset = arguments.as_published.map(Preset::from);
     let folder = match preset {
         // In a subfolder, so that the files of the design itself are not overwritten.
-        Some(preset) if common.out.is_none() => common.out(&design)?.join(preset.as_str()),
+        Some(preset) if common.options.out.is_none() => common.out(&design)?.join(preset.as_str()),
         _ => common.out(&design)?,
     };
     let progress = progress();
@@ -135,7 +135,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         (None, None) => String::new(),
     };
     // The tables take most of the time of a shot; a program that reads JSON requests them explicitly.
-    let with_files = !common.json || common.out.is_some() || arguments.figures;
+    let with_files = !common.options.json || common.options.out.is_some() || arguments.figures;
     let mut figures = Vec::new();
     if with_files {
         progress.stage("writing files");
@@ -154,7 +154,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         work: &record.work,
         figures: figures.iter().map(|file| file.display().to_string()).collect(),
     };
-    if common.json {
+    if common.options.json {
         print_json(&result)?;
     } else {
         print(&text(&form, &result, &record))?;
@@ -178,11 +178,11 @@ fn of_assembly(arguments: &Arguments, tool: &AssembledTool) -> Result<Status, Er
         return Err(Error::OfDesign { option });
     }
     let common = &arguments.common;
-    common.threads.start()?;
+    common.options.threads.start()?;
     let asked = Asked {
         path: &common.design,
-        out: common.out.as_deref(),
-        json: common.json,
+        out: common.options.out.as_deref(),
+        json: common.options.json,
         figures: arguments.figures,
     };
     super::assembly::cycle(tool, &asked)

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Changes, Keeping, Memory, Status, Threads, folder_of, message, print, print_json, progress, status_of};
+use super::{
+    Changes, Keeping, Memory, Status, Threads, given_or_named, message, print, print_json, progress, status_of,
+};
 use crate::artifacts::Delivery;
 use crate::atomic_write;
 use crate::comparison::{self, ComparisonError};
@@ -136,10 +138,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 fn computed(arguments: &Arguments, checks: &mut Vec<Check>) -> Result<(String, PathBuf), Error> {
     let design = arguments.changes.load(&arguments.design)?;
     design.refuse_assembly()?;
-    let folder = match &arguments.out {
-        Some(folder) => folder.clone(),
-        None => folder_of(Path::new("out"), design.name(), design.path())?,
-    };
+    let folder = given_or_named(arguments.out.as_deref(), design.name(), design.path())?;
     let progress = progress();
     let delivery = Delivery {
         design: &design,

@@ -68,7 +68,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     for Failure { candidate, error } in &failures {
         message(&format!("candidate {candidate} cannot be computed: {error}"));
     }
-    if common.json {
+    if common.options.json {
         print_json(&DrawResult {
             schema: "nailnoise-draw/1",
             design: DesignId::from(design),

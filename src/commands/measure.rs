@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::{Status, progress::noted};
-use super::{Threads, folder_of, message, print, print_json, progress, table};
+use super::{Threads, given_or_named, message, print, print_json, progress, table};
 use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
@@ -77,10 +77,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .warnings
         .iter()
         .for_each(|warning| message(&format!("warning: {warning}")));
-    let folder = match &arguments.out {
-        Some(folder) => folder.clone(),
-        None => folder_of(Path::new("out"), &name_of(path), path)?,
-    };
+    let folder = given_or_named(arguments.out.as_deref(), &name_of(path), path)?;
     let arrangement = Arrangement::of(&manifest)?;
     let staging = AtomicWrite::within(&folder)?;
     let processing = Processing {

@@ -73,11 +73,18 @@ use red::red;
 pub use status::Status;
 use table::texts;
 
-/// Arguments common to all commands that compute.
+/// Arguments common to all commands that compute from a design.
 #[derive(Args)]
 struct Common {
     /// Design file (TOML)
     design: PathBuf,
+    #[command(flatten)]
+    options: Options,
+}
+
+/// Options common to all commands that compute.
+#[derive(Args)]
+struct Options {
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
     json: bool,
@@ -95,23 +102,37 @@ struct Common {
 impl Common {
     /// Starts the threads, reads the design and prints warnings. Refuses an assembly.
     fn begin(&self) -> Result<Design, Error> {
-        let design = self.begin_with_any_tool()?;
-        design.refuse_assembly()?;
-        Ok(design)
+        self.options.begin(&self.design)
     }
 
     /// Starts the threads, reads the design and prints warnings.
     fn begin_with_any_tool(&self) -> Result<Design, Error> {
-        self.threads.start()?;
-        self.changes.load(&self.design)
+        self.options.begin_with_any_tool(&self.design)
     }
 
     /// The folder for the output files of this design.
     fn out(&self, design: &Design) -> Result<PathBuf, Error> {
-        match &self.out {
-            Some(folder) => Ok(folder.clone()),
-            None => folder_of(Path::new("out"), design.name(), design.path()),
-        }
+        self.options.out(design)
+    }
+}
+
+impl Options {
+    /// Starts the threads, reads a design and prints warnings. Refuses an assembly.
+    fn begin(&self, path: &Path) -> Result<Design, Error> {
+        let design = self.begin_with_any_tool(path)?;
+        design.refuse_assembly()?;
+        Ok(design)
+    }
+
+    /// Starts the threads, reads a design and prints warnings.
+    fn begin_with_any_tool(&self, path: &Path) -> Result<Design, Error> {
+        self.threads.start()?;
+        self.changes.load(path)
+    }
+
+    /// The folder for the output files of a design.
+    fn out(&self, design: &Design) -> Result<PathBuf, Error> {
+        given_or_named(self.out.as_deref(), design.name(), design.path())
     }
 }
 
@@ -138,6 +159,14 @@ fn folder_of(out: &Path, name: &str, path: &Path) -> Result<PathBuf, Error> {
         path: path.to_owned(),
         name: name.to_owned(),
     })
+}
+
+/// The folder given by `--out`, or `out/NAME` for what the file `path` describes.
+fn given_or_named(given: Option<&Path>, name: &str, path: &Path) -> Result<PathBuf, Error> {
+    match given {
+        Some(folder) => Ok(folder.to_owned()),
+        None => folder_of(Path::new("out"), name, path),
+    }
 }
 
 /// Whether cached results are used.

@@ -96,7 +96,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         return Err(Error::NoCoordinates { path: path.clone() });
     }
     let kind = arguments.body.into();
-    cost::refuse(&design, &[cost::of_body(&design, kind)?], common.memory.limit())?;
+    cost::refuse(&design, &[cost::of_body(&design, kind)?], common.options.memory.limit())?;
     let progress = progress();
     progress.stage("modes");
     let cache = arguments.keeping.cache()?;
@@ -146,7 +146,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         checks: body.checks(),
         correlation,
     };
-    if common.json {
+    if common.options.json {
         print_json(&result)?;
     } else {
         print(&text(&result, &body))?;

@@ -84,7 +84,7 @@ struct Layout<'a> {
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
-    let folder = match &common.out {
+    let folder = match &common.options.out {
         Some(folder) => folder.clone(),
         None => common.out(&design)?.join("optimised"),
     };
@@ -94,7 +94,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         Some(folder) => Store::shared(folder)?,
         None => arguments.keeping.cache()?,
     };
-    let base = (design.path(), &common.changes.set[..]);
+    let base = (design.path(), &common.options.changes.set[..]);
     let graph = Graph::quiet(&store, progress.observer());
     let default = if arguments.scheduler.is_some() { ON_CLUSTER } else { 1 };
     let request = Request {
@@ -110,7 +110,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         batch: arguments.batch.unwrap_or(default).into(),
     };
     let mut fill = |designs: &[Vec<Assignment>]| on_cluster(arguments, &design, &store, designs);
-    let found = optimise(&graph, base, &request, common.memory.limit(), &progress, &mut fill)?;
+    let found = optimise(
+        &graph,
+        base,
+        &request,
+        common.options.memory.limit(),
+        &progress,
+        &mut fill,
+    )?;
     let folder = folder.as_path();
     let mut checks = Vec::new();
     let names: Vec<String> = (1..=found.front.len())
@@ -151,7 +158,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .iter()
         .map(|name| folder.join(format!("{name}.toml")).display().to_string())
         .collect();
-    if common.json {
+    if common.options.json {
         print_json(&Layout {
             schema: "nailnoise-optimise/2",
             found: &found,
@@ -181,7 +188,7 @@ fn reported(
         screening: false,
         printer: super::run::printed,
         store,
-        memory: arguments.common.memory.limit(),
+        memory: arguments.common.options.memory.limit(),
         progress,
     })?;
     Ok(checks)
@@ -197,7 +204,7 @@ fn on_cluster(arguments: &Arguments, design: &Design, store: &Store, designs: &[
         folder,
         shared: arguments.store.is_some(),
     };
-    let set = arguments.common.changes.set.len();
+    let set = arguments.common.options.changes.set.len();
     let points = designs.iter().flat_map(|own| {
         let own = own[set..].iter().map(ToString::to_string);
         std::iter::once("--point".to_owned()).chain(own)

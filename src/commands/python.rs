@@ -68,7 +68,7 @@ impl Cluster<'_> {
         if self.shared {
             all.push("--shared".into());
         }
-        for assignment in &common.changes.set {
+        for assignment in &common.options.changes.set {
             all.extend(["--set".to_owned(), assignment.to_string()].map(OsString::from));
         }
         all.extend(arguments.iter().map(OsString::from));

@@ -59,10 +59,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             histories: arguments.histories,
         },
         // Scripts should not wait for a screening.
-        screening: !common.json,
+        screening: !common.options.json,
         printer: printed,
         store: &cache,
-        memory: common.memory.limit(),
+        memory: common.options.memory.limit(),
         progress: &progress,
     };
     let (delivered, checks) = delivered(&delivery)?;
@@ -75,7 +75,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if let Some(error) = incomplete {
         message(&format!("the files lack the intervals of the levels: {error}"));
     }
-    if common.json {
+    if common.options.json {
         print(&artifacts.json)?;
     } else {
         print(&shown(&artifacts.printed))?;

@@ -47,7 +47,7 @@ pub(super) fn execute(
     progress.end();
     let path = folder.join("sensitivity.csv");
     atomic_write::write(&path, &csv(&sensitivity)?)?;
-    if common.json {
+    if common.options.json {
         print_json(&Layout {
             schema: "nailnoise-sensitivity/1",
             design: DesignId::from(design),

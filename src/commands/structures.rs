@@ -1,62 +1,20 @@
-//! `nailnoise calibrate --structures`: elastic constants of plates from tap tests.
-
-use std::path::Path;
+//! Texts of `nailnoise calibrate --structures`: elastic constants of plates from tap tests.
 
 use nailnoise_quantities::rounded;
 
 use super::table::{table, texts};
-use super::{Status, message, print, print_json, progress};
-use crate::atomic_write::AtomicWrite;
-use crate::calibration::{PeakRow, PlateResult, StructuresRequest, StructuresResult, Verdict, calibrate_structures};
+use crate::calibration::{NOT_CONVERGED, PeakRow, PlateResult, StructuresResult, Verdict};
 use crate::error::Error;
 use crate::output;
 
 /// The file written last, whose presence shows that the folder is complete.
-const LAST: &str = "structures.json";
+pub(super) const RESULT: &str = "structures.json";
 
-/// Inputs in the table of plates: name, unit in the table, its size in SI units.
+/// Inputs in the table of plates: name, unit of the column, and that unit in SI units.
 const SHOWN: [(&str, &str, f64); 3] = [("e_l", "GPa", 1e9), ("e_r", "GPa", 1e9), ("g_lr", "GPa", 1e9)];
 
-/// Ratio of widths above which peaks tell little of an input.
-const HARDLY: f64 = 0.9;
-
-/// Calibrates the plates of a file and writes the files of the result.
-pub(super) fn execute(
-    path: &Path,
-    folder: &Path,
-    request: &StructuresRequest,
-    prints_json: bool,
-) -> Result<Status, Error> {
-    let progress = progress();
-    let result = calibrate_structures(path, request, &progress)?;
-    progress.stage("writing files");
-    let staging = AtomicWrite::within(folder)?;
-    staging.write("modes.csv".as_ref(), &modes(&result)?)?;
-    let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
-    staging.write(LAST.as_ref(), json.as_bytes())?;
-    staging.place(&[], LAST.as_ref())?;
-    progress.end();
-    for own in &result.plates {
-        let faults = own.faults.iter();
-        faults.for_each(|fault| message(&format!("plate {} not converged: {fault}", own.name)));
-    }
-    if prints_json {
-        print_json(&result)?;
-    } else {
-        print(&text(&result))?;
-        print(&format!("\n  files in {}\n", folder.display()))?;
-    }
-    Ok(if !result.converged() {
-        Status::from(3)
-    } else if result.has_conflict() {
-        Status::from(1)
-    } else {
-        Status::SUCCESS
-    })
-}
-
 /// `modes.csv`: one row per plate and mode.
-fn modes(result: &StructuresResult) -> Result<Vec<u8>, Error> {
+pub(super) fn modes(result: &StructuresResult) -> Result<Vec<u8>, Error> {
     let header = [
         "plate",
         "nodal lines across the grain",
@@ -85,7 +43,7 @@ fn shown([low, middle, high]: [f64; 3], size: f64) -> String {
     format!("{} ({} .. {})", number(middle), number(low), number(high))
 }
 
-fn text(result: &StructuresResult) -> String {
+pub(super) fn text(result: &StructuresResult) -> String {
     let headings = SHOWN.map(|(name, unit, _)| format!("{name} [{unit}]"));
     let names = ["plate", "density [kg/m3]"].into_iter().map(str::to_owned);
     let headings: Vec<String> = names.chain(headings).chain(["peaks used".to_owned()]).collect();
@@ -109,32 +67,21 @@ fn text(result: &StructuresResult) -> String {
         result.draws,
         table(&headings, &rows)
     );
-    text.push_str(&hardly_told(result));
+    let undetermined = result.undetermined();
+    if !undetermined.is_empty() {
+        text.push_str(&format!("  the peaks hardly determine {}\n", undetermined.join(", ")));
+    }
     for own in &result.plates {
         text.push_str(&format!(
             "\nplate {}: modes up to {} Hz\n",
             own.name, result.modes_up_to
         ));
         if !own.faults.is_empty() {
-            text.push_str("NOT CONVERGED: do not rely on these intervals; double --draws, then --moves 48\n");
+            text.push_str(&format!("NOT CONVERGED: {NOT_CONVERGED}\n"));
         }
         text.push_str(&of_plate(own));
     }
     text
-}
-
-/// Inputs of which the peaks of no plate tell much.
-fn hardly_told(result: &StructuresResult) -> String {
-    let Some(first) = result.plates.first() else {
-        return String::new();
-    };
-    let is_hardly_told = |k: usize| result.plates.iter().all(|own| own.inputs[k].ratio > HARDLY);
-    let names = (0..first.inputs.len()).filter(|&k| is_hardly_told(k));
-    let names: Vec<&str> = names.map(|k| first.inputs[k].name).collect();
-    if names.is_empty() {
-        return String::new();
-    }
-    format!("  the peaks tell hardly anything of {}\n", names.join(", "))
 }
 
 /// Modes of a plate with their peaks; then readings without a listed mode, and conflicts.

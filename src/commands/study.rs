@@ -173,7 +173,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
         .into());
     }
-    cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
+    cost::refuse(&design, &cost::of_run(&design)?, common.options.memory.limit())?;
     let progress = progress();
     let most = arguments.draws as usize;
     let draws_at_first = match arguments.until.as_slice() {
@@ -200,7 +200,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             task,
             &study::draws(&Graph::quiet(&store, progress.observer()), &design, &request, &progress)?,
             folder,
-            common.json,
+            common.options.json,
             &progress,
         );
     }
@@ -277,7 +277,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     progress.end();
     report_failures("draw", &made.failures);
     report_failures("the shot of candidate", &made.tally.failures);
-    if common.json {
+    if common.options.json {
         print(&json)?;
     } else {
         let lines = result.headline.as_ref().map(Headline::lines).unwrap_or_default();

@@ -97,11 +97,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         cluster.fill("sweep-on", (common, &design), &axes.collect::<Vec<_>>())?;
     }
     let graph = Graph::quiet(&store, progress.observer());
-    let base = (design.path(), &common.changes.set[..]);
+    let base = (design.path(), &common.options.changes.set[..]);
     let request = arguments
         .draws
         .map(|draws| Request::new(draws as usize, arguments.seed));
-    let limit = common.memory.limit();
+    let limit = common.options.memory.limit();
     let mut points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
     headline::explain_first(&graph, base, &arguments.vary, &mut points)?;
     let mut checks = Vec::new();
@@ -138,7 +138,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     staging.write(LAST.as_ref(), &csv(&arguments.vary, &points)?)?;
     staging.place(&[], LAST.as_ref())?;
     progress.end();
-    if common.json {
+    if common.options.json {
         print_json(&Layout {
             schema: "nailnoise-sweep/1",
             design: DesignId::from(&design),

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Status;
 use super::table::table;
-use super::{Common, Keeping, folder_of, print, print_json, progress};
+use super::{Common, Keeping, given_or_named, print, print_json, progress};
 use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
@@ -79,7 +79,7 @@ struct TestResult {
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
-    cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
+    cost::refuse(&design, &cost::of_run(&design)?, common.options.memory.limit())?;
     let wraps = match arguments.wraps {
         Wraps::Design => wrapping(&design),
         Wraps::Perfect => Wrapping::perfect(),
@@ -106,15 +106,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         shots: 0,
     };
     if !arguments.energies {
-        let folder = match &common.out {
-            Some(folder) => folder.clone(),
-            None => folder_of(Path::new("out"), &format!("{}-test", design.name()), design.path())?,
-        };
+        let name = format!("{}-test", design.name());
+        let folder = given_or_named(common.options.out.as_deref(), &name, design.path())?;
         (result.shots, result.recorded) = record(&design, &test, &folder, &progress)?;
         result.manifest = Some(folder.join(LAST).display().to_string());
     }
     progress.end();
-    if common.json {
+    if common.options.json {
         print_json(&result)?;
     } else {
         let lines = result.headline.as_ref().map(Headline::lines).unwrap_or_default();

@@ -147,7 +147,7 @@ impl Watching<'_> {
         }
         cost::refuse(&design, &cost::of_run(&design)?, self.arguments.memory.limit())?;
         let graph = Graph::new(Arc::new(self.store.clone()), progress.observer());
-        // What a slider passes through is not worth draws.
+        // Intermediate positions of a slider are not worth draws.
         let source = StudySource::find(&self.store, &design, !moved);
         let mut reported = ReportedRun::new(&graph, &design, &source)?;
         self.runs += 1;

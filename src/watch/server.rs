@@ -9,8 +9,8 @@
 //! connection before its request is complete:
 //!
 //! - `tiny_http` 0.12 sets no time limit for reading or writing, and has no maximum for the length of a head or the
-//!   number of connections. A stranger that sends one byte a minute occupies a thread and memory for as long as it
-//!   likes, and a window that no longer reads blocks its writer.
+//!   number of connections. A stranger that sends one byte a minute occupies a thread and memory without end, and a
+//!   window that no longer reads blocks its writer.
 //! - `oxhttp` 0.3 limits the time of each read, not of a whole head. It cannot report a port chosen by the system, has
 //!   no way to stop, writes to standard error, and depends on more than 30 crates for URLs with international names.
 //! - `hyper` requires an asynchronous runtime.

@@ -8,13 +8,13 @@ use serde_json::Value;
 
 use crate::common::{command, folder, messages};
 
-/// A plate with the first six peaks of a tap test: 1L of the example.
-const PLATE: &str = include_str!("../../examples/plates/spruce.toml");
+/// The example: ten plates, each with the first six peaks of its tap test.
+const PLATES: &str = include_str!("../../examples/plates/spruce.toml");
 
-/// The example cut after its first plate.
+/// The first plate of the example, 1L.
 fn one_plate() -> String {
-    let second = PLATE.find("[plate.1R]").unwrap();
-    PLATE[..second].to_owned()
+    let second = PLATES.find("[plate.1R]").unwrap();
+    PLATES[..second].to_owned()
 }
 
 fn calibrate(folder: &Path, text: &str) -> Output {

@@ -142,7 +142,7 @@ pub(crate) struct PassagePlan {
     pub(crate) jet: bool,
     /// Switches of gate, condition and restrictions; the passage is open if all are on.
     pub(crate) switches: Vec<usize>,
-    /// Whether a restriction without area keeps it permanently shut.
+    /// Whether a restriction without area closes it permanently.
     pub(crate) shut: bool,
 }
 

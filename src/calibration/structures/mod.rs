@@ -1,4 +1,5 @@
-//! Tap tests of plates: elastic constants from dimensions, mass and the first peaks, and the modes above them.
+//! Calibration of plates by tap tests. Dimensions, mass and the first peaks determine elastic constants; these predict
+//! the higher modes.
 
 mod plate;
 mod posterior;
@@ -7,6 +8,7 @@ mod result;
 mod tap_test;
 
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use nailnoise_calibration::sampler::Settings;
 use rayon::prelude::*;
@@ -49,12 +51,17 @@ pub fn calibrate_structures(
         seed: request.seed,
     };
     progress.stage("elastic constants of plates");
-    let done = std::sync::atomic::AtomicU64::new(0);
+    let (total, done) = (tests.tests.len() as u64, AtomicU64::new(0));
     let plates = tests.tests.par_iter().map(|test| {
-        let posterior = posterior::posterior(&ritz, test, request.draws, settings, || ())?;
-        let number = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-        progress.done(number, tests.tests.len() as u64);
-        Ok(result::plate_result(&ritz, test, &posterior, tests.top, request.seed))
+        let posterior = posterior::posterior(&ritz, test, request.draws, settings)?;
+        progress.done(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        Ok(result::plate_result(
+            &ritz,
+            test,
+            &posterior,
+            tests.max_frequency,
+            request.seed,
+        ))
     });
     let plates = plates.collect::<Result<Vec<PlateResult>, CalibrationError>>()?;
     let [most_across, most_along] = result::RESOLVED;
@@ -72,7 +79,7 @@ pub fn calibrate_structures(
         file: path.display().to_string(),
         draws: request.draws,
         seed: request.seed,
-        modes_up_to: tests.top,
+        modes_up_to: tests.max_frequency,
         plates,
     })
 }

@@ -1,12 +1,12 @@
 //! Draws of a plate's inputs given its peaks. Peaks that contradict the others are left out, as in any calibration.
 
-use nailnoise_acoustics::random::uniform;
+use nailnoise_calibration::Simulator;
 use nailnoise_calibration::conflict::{self, Conflict};
 use nailnoise_calibration::likelihood::{ErrorLaw, Likelihood, LikelihoodError};
 use nailnoise_calibration::sampler::{Candidate, Diagnostics, Sampler, Settings, State};
-use nailnoise_calibration::{Simulator, normal};
 use rayon::prelude::*;
 
+use super::super::random::standard_normal;
 use super::plate::Ritz;
 use super::tap_test::{INPUTS, Simulation, TapTest};
 
@@ -37,7 +37,6 @@ pub(super) fn posterior(
     test: &TapTest,
     draws: usize,
     settings: Settings,
-    mut after: impl FnMut(),
 ) -> Result<Posterior, LikelihoodError> {
     let mut counts: Vec<bool> = test.is_check.iter().map(|is_check| !is_check).collect();
     counts.push(true);
@@ -52,7 +51,7 @@ pub(super) fn posterior(
         let candidates = candidates(&simulation, draws, settings.seed);
         let sampler = Sampler::new(&simulation, &likelihood, settings);
         let mut state = sampler.begin(candidates.clone());
-        sampler.run(&mut state, |_| after());
+        sampler.run(&mut state, |_| ());
         let remaining = counts[..test.peaks.len()].iter().filter(|counts| **counts).count();
         let found = conflict::worst(&likelihood, &state.particles);
         let left_out = |own: &Conflict| 1 + usize::from(own.partner.is_some());
@@ -79,8 +78,9 @@ pub(super) fn posterior(
 /// Draws from the ranges.
 fn candidates(simulation: &Simulation<'_>, draws: usize, seed: u64) -> Vec<Candidate> {
     let candidate = |index: u64| {
-        let place = |k: u64| normal::quantile(uniform(seed ^ CANDIDATES, index, k).max(f64::EPSILON));
-        let z: Vec<f64> = (0..INPUTS as u64).map(place).collect();
+        let z: Vec<f64> = (0..INPUTS as u64)
+            .map(|k| standard_normal(seed ^ CANDIDATES, index, k))
+            .collect();
         let predictions = simulation.predict(&z, 0).ok()?;
         Some(Candidate { z, predictions })
     };
@@ -123,7 +123,7 @@ mod tests {
     fn three_moduli_of_a_hidden_plate_lie_within_their_draws() {
         let ritz = Ritz::new([8, 6]);
         let (test, z) = hidden(&ritz);
-        let found = posterior(&ritz, &test, 256, SETTINGS, || ()).unwrap();
+        let found = posterior(&ritz, &test, 256, SETTINGS).unwrap();
         assert!(found.conflicts.is_empty());
         for k in [E_L, E_R, G_LR] {
             let mut own: Vec<f64> = found.state.particles.iter().map(|draw| draw.z[k]).collect();
@@ -140,7 +140,7 @@ mod tests {
         let (mut test, _) = hidden(&ritz);
         test.peaks[1] *= 1.3;
         test.peaks.sort_by(f64::total_cmp);
-        let found = posterior(&ritz, &test, 256, SETTINGS, || ()).unwrap();
+        let found = posterior(&ritz, &test, 256, SETTINGS).unwrap();
         assert!(!found.conflicts.is_empty() && found.counts.contains(&false));
     }
 }

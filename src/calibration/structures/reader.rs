@@ -45,7 +45,7 @@ const WOOD: [(usize, &str, Dimension, &str); 6] = [
 #[derive(Debug, Clone)]
 pub(super) struct TapTests {
     /// Modes are predicted up to this frequency \[Hz\].
-    pub(super) top: f64,
+    pub(super) max_frequency: f64,
     pub(super) tests: Vec<TapTest>,
 }
 
@@ -63,7 +63,7 @@ pub(super) fn read(document: &Document) -> Result<TapTests, CalibrationError> {
         return Err(root.error("schema", problem, format!("give \"{SCHEMA}\"")).into());
     }
     root.required("modes_up_to", "\"600 Hz\"")?;
-    let top = root.quantity("modes_up_to", FREQUENCY, FREQUENCIES)?;
+    let max_frequency = root.quantity("modes_up_to", FREQUENCY, FREQUENCIES)?;
     let mut inputs = [Input {
         name: "",
         unit: "",
@@ -92,10 +92,12 @@ pub(super) fn read(document: &Document) -> Result<TapTests, CalibrationError> {
         let help = "add [plate.NAME] with length, width, thickness, mass, peaks and error";
         return Err(root.error("plate", "has no plate", help).into());
     }
-    let read = |(name, table): &(String, Keys<'_, '_>)| plate(name, table, inputs, air_density);
+    let tests = plates
+        .iter()
+        .map(|(name, table)| plate(name, table, inputs, air_density));
     Ok(TapTests {
-        top: top.unwrap_or_default(),
-        tests: plates.iter().map(read).collect::<Result<_, KeyError>>()?,
+        max_frequency: max_frequency.unwrap_or_default(),
+        tests: tests.collect::<Result<_, KeyError>>()?,
     })
 }
 
@@ -105,8 +107,8 @@ fn group<'t, 'i>(root: &Keys<'t, 'i>, name: &str, example: &str) -> Result<Keys<
     root.table(name, example)?.ok_or_else(missing)
 }
 
-/// The distribution of `{ range = "7 .. 17 GPa" }`, whose ends are two standard deviations away: of the logarithm for
-/// quantities with a unit.
+/// The distribution of `{ range = "7 .. 17 GPa" }`. The ends are two standard deviations from the middle; for a
+/// modulus, those of its logarithm.
 fn ranged(table: &Keys<'_, '_>, key: &str, dimension: Dimension, example: &str) -> Result<Law, KeyError> {
     let example = format!("{{ range = \"{example}\" }}");
     table.required(key, &example)?;
@@ -122,12 +124,12 @@ fn ranged(table: &Keys<'_, '_>, key: &str, dimension: Dimension, example: &str) 
     if !(low < high && low >= 0.0) || (dimension == PRESSURE && low <= 0.0) {
         return Err(wrong(format!("is \"{text}\", which does not rise above 0")));
     }
-    let spread = |low: f64, high: f64| (0.5 * (low + high), (high - low) / (2.0 * AT_ENDS));
+    let moments = |low: f64, high: f64| (0.5 * (low + high), (high - low) / (2.0 * AT_ENDS));
     Ok(if dimension == PRESSURE {
-        let (mean, deviation) = spread(low.ln(), high.ln());
+        let (mean, deviation) = moments(low.ln(), high.ln());
         Law::LogNormal(mean, deviation)
     } else {
-        let (mean, deviation) = spread(low, high);
+        let (mean, deviation) = moments(low, high);
         Law::Normal(mean, deviation)
     })
 }
@@ -184,7 +186,7 @@ fn plate(name: &str, table: &Keys<'_, '_>, mut inputs: [Input; INPUTS], air_dens
     }
     let [length, width, thickness] = size;
     if thickness > THICKEST * length.min(width) {
-        let problem = "is more than a tenth of a side, which is no plate";
+        let problem = "is more than a tenth of a side, which is not a plate";
         return Err(table.error(
             "thickness",
             problem,
@@ -255,14 +257,14 @@ mod tests {
 
     #[test]
     fn the_example_has_ten_plates_of_six_peaks() {
-        let read = of(SPRUCE).unwrap();
-        assert_eq!(read.tests.len(), 10);
+        let file = of(SPRUCE).unwrap();
+        assert_eq!(file.tests.len(), 10);
         assert!(
-            read.tests
+            file.tests
                 .iter()
                 .all(|own| own.peaks.len() == 6 && !own.is_check.contains(&true))
         );
-        assert!((read.tests[0].inputs[MASS].law.at(0.0) - 0.236).abs() < 1e-12);
+        assert!((file.tests[0].inputs[MASS].law.at(0.0) - 0.236).abs() < 1e-12);
     }
 
     /// The ends of a range are two standard deviations from its middle, in the logarithm for a modulus.
@@ -287,7 +289,7 @@ mod tests {
             ("\"7 .. 17 GPa\"", "\"17 .. 7 GPa\"", "wood.e_l", "give it as"),
             ("\"7 .. 17 GPa\"", "\"7 .. 17 mm\"", "wood.e_l", "give it as"),
             ("\"70.5 Hz\", ", "\"270.5 Hz\", ", "plate.1L.peaks", "ascending"),
-            ("\"4.8 mm\"", "\"4.8 cm\"", "plate.1L.thickness", "no plate"),
+            ("\"4.8 mm\"", "\"4.8 cm\"", "plate.1L.thickness", "not a plate"),
             ("\"4.8 mm\"", "\"4.8 kg\"", "plate.1L.thickness", "kg"),
             ("rounding = \"0.25 Hz\"", "", "plate.1L.error", "no instrument is exact"),
             ("thickness =", "thicknes =", "plate.1L.thicknes", "is it"),
@@ -308,7 +310,7 @@ mod tests {
         for (from, to, key, words) in faults {
             assert!(SPRUCE.contains(from), "{from}");
             let CalibrationError::Key(error) = of(&SPRUCE.replacen(from, to, 1)).unwrap_err() else {
-                panic!("{key} is no fault of a key");
+                panic!("{key} is not a fault of a key");
             };
             let text = format!("{error}\n{}", error.help);
             assert!(text.contains(key) && text.contains(words), "{text}");

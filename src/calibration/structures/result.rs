@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over};
-use nailnoise_calibration::statistics::quantile_of;
+use nailnoise_calibration::likelihood::ErrorLaw;
 use serde::Serialize;
 
-use super::super::result::Verdict;
+use super::super::result::{MOVED, Verdict, percentiles};
 use super::plate::{PlateMode, Ritz};
 use super::posterior::Posterior;
 use super::tap_test::{INPUTS, LENGTH, MASS, THICKNESS, TapTest, UNSEEN, WIDTH};
@@ -49,11 +49,24 @@ impl StructuresResult {
 
     /// Whether any peak contradicts others.
     pub fn has_conflict(&self) -> bool {
-        let mut verdicts = self
-            .plates
-            .iter()
-            .flat_map(|own| own.peaks.iter().map(|peak| peak.verdict));
-        verdicts.any(|own| matches!(own, Verdict::Conflict | Verdict::NotReached))
+        let mut peaks = self.plates.iter().flat_map(|own| &own.peaks);
+        peaks.any(|own| own.verdict.is_conflict())
+    }
+
+    /// Names of the plates whose draws have not converged, with each diagnostic that exceeds its limit.
+    pub fn faults(&self) -> impl Iterator<Item = (&str, &str)> {
+        let plates = self.plates.iter();
+        plates.flat_map(|own| own.faults.iter().map(|fault| (own.name.as_str(), fault.as_str())))
+    }
+
+    /// Names of the inputs whose ranges no plate narrows.
+    pub fn undetermined(&self) -> Vec<&'static str> {
+        let Some(first) = self.plates.first() else {
+            return Vec::new();
+        };
+        let is_wide = |k: usize| self.plates.iter().all(|own| own.inputs[k].ratio > MOVED);
+        let inputs = first.inputs.iter().enumerate();
+        inputs.filter(|(k, _)| is_wide(*k)).map(|(_, own)| own.name).collect()
     }
 }
 
@@ -127,15 +140,14 @@ pub struct ModeRow {
     pub has_peak: bool,
 }
 
-const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
-
-fn interval(values: impl Iterator<Item = f64>) -> [f64; 3] {
-    let mut values: Vec<f64> = values.collect();
-    QUANTILES.map(|p| quantile_of(&mut values, p))
-}
-
 /// The result of a plate.
-pub(super) fn plate_result(ritz: &Ritz, test: &TapTest, posterior: &Posterior, top: f64, seed: u64) -> PlateResult {
+pub(super) fn plate_result(
+    ritz: &Ritz,
+    test: &TapTest,
+    posterior: &Posterior,
+    max_frequency: f64,
+    seed: u64,
+) -> PlateResult {
     let particles = &posterior.state.particles;
     let points: Vec<&[f64]> = particles.iter().map(|own| own.z.as_slice()).collect();
     let modes: Vec<Vec<PlateMode>> = points
@@ -149,19 +161,19 @@ pub(super) fn plate_result(ritz: &Ritz, test: &TapTest, posterior: &Posterior, t
     });
     PlateResult {
         name: test.name.clone(),
-        density: interval(density),
+        density: percentiles(density),
         faults: posterior.diagnostics.faults.iter().map(ToString::to_string).collect(),
         ancestors: posterior.diagnostics.ancestors,
         inputs: (0..INPUTS).map(|k| input(test, posterior, k)).collect(),
-        modes: predicted(test, &modes, &peaks, top, seed),
+        modes: predicted(test, &modes, &peaks, max_frequency, seed),
         peaks,
     }
 }
 
 fn input(test: &TapTest, posterior: &Posterior, k: usize) -> PlateInput {
     let own = test.inputs[k];
-    let before = interval(posterior.candidates.iter().map(|draw| own.law.at(draw.z[k])));
-    let now = interval(posterior.state.particles.iter().map(|draw| own.law.at(draw.z[k])));
+    let before = percentiles(posterior.candidates.iter().map(|draw| own.law.at(draw.z[k])));
+    let now = percentiles(posterior.state.particles.iter().map(|draw| own.law.at(draw.z[k])));
     let is_modulus = own.unit == "Pa";
     let width = |[low, _, high]: [f64; 3]| if is_modulus { (high / low).ln() } else { high - low };
     PlateInput {
@@ -189,8 +201,8 @@ fn peaks(test: &TapTest, posterior: &Posterior, modes: &[Vec<PlateMode>]) -> Vec
             }
         }
         let most = of_lines.iter().max_by_key(|(_, count)| **count);
-        let found = posterior.conflicts.iter();
-        let found = found.clone().find(|own| own.datum == k || own.partner == Some(k));
+        let mut conflicts = posterior.conflicts.iter();
+        let found = conflicts.find(|own| own.datum == k || own.partner == Some(k));
         let other = found.and_then(|own| if own.datum == k { own.partner } else { Some(own.datum) });
         let probability = match found {
             Some(own) => own.probability,
@@ -203,7 +215,7 @@ fn peaks(test: &TapTest, posterior: &Posterior, modes: &[Vec<PlateMode>]) -> Vec
             reading: test.peaks.get(k).copied().unwrap_or(0.0),
             nodal_lines: most.map(|(lines, _)| *lines),
             share: most.map_or(1.0, |(_, count)| *count as f64 / modes.len().max(1) as f64),
-            now: interval(particles.iter().map(|own| own.predictions[k].value())),
+            now: percentiles(particles.iter().map(|own| own.predictions[k].value())),
             left_over: left_over(&posterior.likelihood, k, particles),
             probability,
             partner: other.map(|other| posterior.likelihood.data()[other].name.clone()),
@@ -219,17 +231,24 @@ fn peaks(test: &TapTest, posterior: &Posterior, modes: &[Vec<PlateMode>]) -> Vec
 }
 
 /// Modes that most draws have below the highest frequency, with the error of the model.
-fn predicted(test: &TapTest, modes: &[Vec<PlateMode>], peaks: &[PeakRow], top: f64, seed: u64) -> Vec<ModeRow> {
+fn predicted(
+    test: &TapTest,
+    modes: &[Vec<PlateMode>],
+    peaks: &[PeakRow],
+    max_frequency: f64,
+    seed: u64,
+) -> Vec<ModeRow> {
     let mut of_lines: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
     for (draw, modes) in modes.iter().enumerate() {
         for mode in modes {
             let [m, n] = mode.nodal_lines;
-            let error = student(uniform(seed ^ ERRORS, draw as u64, (m * 1000 + n) as u64));
+            let error = ErrorLaw::Student.quantile(uniform(seed ^ ERRORS, draw as u64, (m * 1000 + n) as u64));
             let hz = mode.hz * (1.0 + test.discrepancy * error);
             of_lines.entry(mode.nodal_lines).or_default().push(hz);
         }
     }
-    let is_listed = |hz: &[f64]| hz.iter().filter(|own| **own <= top).count() as f64 >= PRESENT * modes.len() as f64;
+    let is_listed =
+        |hz: &[f64]| hz.iter().filter(|own| **own <= max_frequency).count() as f64 >= PRESENT * modes.len() as f64;
     let listed = of_lines.into_iter().filter(|(_, hz)| is_listed(hz));
     let with_peak = |lines: [usize; 2]| {
         peaks
@@ -239,33 +258,10 @@ fn predicted(test: &TapTest, modes: &[Vec<PlateMode>], peaks: &[PeakRow], top: f
     let mut rows: Vec<ModeRow> = listed
         .map(|(nodal_lines, hz)| ModeRow {
             nodal_lines,
-            hz: interval(hz.into_iter()),
+            hz: percentiles(hz.into_iter()),
             has_peak: with_peak(nodal_lines),
         })
         .collect();
     rows.sort_by(|a, b| a.hz[1].total_cmp(&b.hz[1]));
     rows
-}
-
-/// Quantile of Student's t with four degrees of freedom, the error law of readings. With a = 4 p (1 - p),
-/// t = 2 (cos(arccos(a^(1/2))/3)/a^(1/2) - 1)^(1/2), and the sign of p - 1/2 (Shaw, "Sampling Student's T
-/// distribution", Journal of Computational Finance 9, 37 (2006)).
-fn student(p: f64) -> f64 {
-    let root = (4.0 * p * (1.0 - p)).max(f64::EPSILON).sqrt().min(1.0);
-    let q = ((root.acos() / 3.0).cos() / root - 1.0).max(0.0);
-    2.0 * q.sqrt().copysign(p - 0.5)
-}
-
-#[cfg(test)]
-mod tests {
-    use nailnoise_calibration::likelihood::ErrorLaw;
-
-    use super::*;
-
-    #[test]
-    fn the_quantile_inverts_the_cumulative_probability() {
-        for p in [0.001, 0.05, 0.3, 0.5, 0.8, 0.99] {
-            assert!((ErrorLaw::Student.cumulative(student(p)) - p).abs() < 1e-9, "{p}");
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! A tap test of a plate: its inputs with their distributions, its peaks, and the modes that it predicts.
 //!
-//! Peaks of a mobility do not say which mode they belong to, and a mode with a node at the sensor or at the hammer has
-//! no peak. A prediction therefore assigns peaks to modes in ascending order, by the assignment of the highest
+//! A peak of a mobility does not identify its mode, and a mode with a node at the sensor or at the hammer does not have
+//! a peak. A prediction therefore assigns peaks to modes in ascending order, by the assignment of the highest
 //! likelihood. The number of modes without a peak below the last assigned one is a further reading: it is 0, with a
 //! standard error of 2. Two missing modes thus cost as much likelihood as one frequency that is off by one standard
 //! error.
@@ -15,7 +15,7 @@ use super::plate::{Plate, PlateMode, Ritz};
 pub(super) const UNSEEN: &str = "modes without a peak";
 
 /// Standard error of that number \[E\].
-const SCALE_OF_UNSEEN: f64 = 2.0;
+const ERROR_OF_UNSEEN: f64 = 2.0;
 
 /// Modes above the number of peaks to which peaks may be assigned.
 const MOST_UNSEEN: usize = 12;
@@ -111,11 +111,11 @@ impl TapTest {
         let mut data: Vec<Datum> = peaks
             .map(|(k, hz)| datum(k, format!("{hz} Hz"), *hz, self.scale(k)))
             .collect();
-        data.push(datum(self.peaks.len(), UNSEEN.to_owned(), 0.0, SCALE_OF_UNSEEN));
+        data.push(datum(self.peaks.len(), UNSEEN.to_owned(), 0.0, ERROR_OF_UNSEEN));
         data
     }
 
-    /// Standard deviation of a peak's reading with that of the model \[Hz\].
+    /// Standard deviation of a peak, from its reading and the model \[Hz\].
     fn scale(&self, peak: usize) -> f64 {
         self.errors[peak].hypot(self.discrepancy * self.peaks[peak])
     }
@@ -148,7 +148,7 @@ impl TapTest {
             before.push(from);
         }
         let unseen = |last: usize| (last + 1).saturating_sub(counting.len());
-        let total = |&j: &usize| best[j] + ErrorLaw::Student.log_density(unseen(j) as f64 / SCALE_OF_UNSEEN);
+        let total = |&j: &usize| best[j] + ErrorLaw::Student.log_density(unseen(j) as f64 / ERROR_OF_UNSEEN);
         let last = (0..best.len()).max_by(|a, b| total(a).total_cmp(&total(b)));
         let mut of_peak: Vec<usize> = self.peaks.iter().map(|hz| nearest(modes, *hz)).collect();
         let mut mode = last.unwrap_or(0);
@@ -266,7 +266,7 @@ mod tests {
             let fits: f64 = peaks
                 .map(|(k, (peak, &j))| ErrorLaw::Student.log_density((peak - hz[j]) / own.scale(k)))
                 .sum();
-            fits + ErrorLaw::Student.log_density((places[2] - 2) as f64 / SCALE_OF_UNSEEN)
+            fits + ErrorLaw::Student.log_density((places[2] - 2) as f64 / ERROR_OF_UNSEEN)
         };
         let mut best = (f64::NEG_INFINITY, vec![]);
         for i in 0..4 {

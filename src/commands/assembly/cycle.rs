@@ -7,7 +7,7 @@ use nailnoise_quantities::Check;
 use serde::Serialize;
 
 use crate::atomic_write::AtomicWrite;
-use crate::commands::{Status, folder_of, print, print_json, progress, status_of, table};
+use crate::commands::{Status, given_or_named, print, print_json, progress, status_of, table};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
@@ -49,10 +49,7 @@ struct CycleResult<'a> {
 }
 
 pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> Result<Status, Error> {
-    let folder = match asked.out {
-        Some(folder) => folder.to_owned(),
-        None => folder_of(Path::new("out"), &tool.name, asked.path)?,
-    };
+    let folder = given_or_named(asked.out, &tool.name, asked.path)?;
     let progress = progress();
     progress.stage("cycle");
     let record = simulate(&tool.resolved.assembly, &tool.numerics)?;

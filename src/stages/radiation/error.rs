@@ -37,7 +37,7 @@ pub enum SurfaceError {
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
-    /// A microphone or the operator's ear is too close to a body for the pressure there to be computed.
+    /// A microphone, or the operator's ear, is so close to a body that its pressure cannot be computed.
     #[error("a microphone or the operator's ear is too close to a body")]
     #[diagnostic(help(
         "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \

@@ -53,7 +53,7 @@ impl Images {
     }
 }
 
-/// Which of the two points is the single one.
+/// The point of a pair that is the single one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Single {
     /// x: a row of the block.
