@@ -2,13 +2,14 @@
 """The sound field of the benchmark's surface velocities by bempp-cl, another boundary element program.
 
     pip install bempp-cl==0.4.2 numba
-    cargo run --release --example 13_surface_velocities -- designs/n80cb.toml FOLDER 200 500 1000
+    python3 tests/peers/benchmark.py target/release/nailnoise FOLDER
     python3 tests/peers/bempp_benchmark.py FOLDER docs/benchmark/case.json
 
 Reads `surface.csv` and `surface-power.csv` of the folder (docs/benchmark.md), cuts each panel into two triangles and
 adds the image of the surface in the floor. bempp-cl solves the Helmholtz equation outside: Galerkin's method, linear
 pressure, linear velocity on each triangle, dense matrices, no Burton-Miller. Block and table top as one box have
-their lowest interior resonance at 1.8 kHz; that of the exact surface was not computed. Energies must agree to 0.1 dB, pressures to 2 % of their largest value at a frequency.
+their lowest interior resonance at 1.8 kHz; that of the exact surface was not computed. Energies must agree to
+0.1 dB, pressures to 2 % of their largest value at a frequency.
 
 A sphere with a known pressure comes first: it shows the signs and the error of the method.
 """

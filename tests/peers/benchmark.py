@@ -2,11 +2,13 @@
 """The worktable case of the N80CB as open data for other programs, and CalculiX's modes of its bodies.
 
     apt-get install calculix-ccx
+    cargo build --release
     python3 tests/peers/benchmark.py target/release/nailnoise FOLDER
 
 Writes into FOLDER the geometry (Gmsh 2.2), the materials (case.json), the forces on the block over time, the exposure of
 the surface velocities in third octaves (VTK), the modes, the sound power in third octaves and the pressures at nine
-microphones. docs/benchmark.md describes the files. Where `ccx` is installed, its frequencies on the same meshes are
+microphones. The example 13 adds the surface of block and table with its complex velocities at three frequencies.
+docs/benchmark.md describes the files. Where `ccx` is installed, its frequencies on the same meshes are
 added to the modes; they must agree to 2e-5, the rounding of modes.csv.
 """
 
@@ -19,7 +21,10 @@ import struct
 import subprocess
 import sys
 
-DESIGN = pathlib.Path(__file__).parents[2] / "designs" / "n80cb.toml"
+ROOT = pathlib.Path(__file__).parents[2]
+DESIGN = ROOT / "designs" / "n80cb.toml"
+# Frequencies of the surface velocities [Hz].
+SURFACE_AT = ["200", "500", "1000"]
 FORCES = ["penetration_force [N]", "nose_force [N]", "guard_force [N]"]
 GROUPS = ("ambient.", "workpiece.", "wood.", "support.contact.", "support.worktable.", "acoustics.", "nail.")
 # CalculiX numbers the middle nodes of a 20-node hexahedron face by face, Gmsh corner by corner.
@@ -129,6 +134,9 @@ def main():
         command = [program, "mesh", DESIGN, "--body", body, "--write", file, "--format", "text22"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         shutil.copy(out / "fields" / f"{body}.vtu", folder / f"{body}-velocity.vtu")
+
+    example = ["cargo", "run", "--release", "--quiet", "--example", "13_surface_velocities", "--"]
+    subprocess.run([*example, DESIGN, folder.resolve(), *SURFACE_AT], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
 
     result = json.loads((out / "result.json").read_text())
     inputs = [own for own in result["inputs"] if own["key"].startswith(GROUPS)]
