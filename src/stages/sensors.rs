@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_8, TAU};
 
-use nailnoise_acoustics::radiation::flush::MovingSand;
+use nailnoise_acoustics::radiation::flush_with_sand::MovingSand;
 use nailnoise_acoustics::signals::fourier::filtered;
 use nailnoise_fem::vibration::{Loads, Settings};
 use nalgebra::{Complex, DMatrix};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
-use nailnoise_acoustics::radiation::flush::flush_field;
+use nailnoise_acoustics::radiation::flush_with_sand::flush_field;
 use nailnoise_acoustics::radiation::radiator::Radiator;
 use nailnoise_acoustics::radiation::sound_fields::{
     Cuts, FieldSeries, SolvedSurface, SoundField, boundary_element_field, velocity_field,

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, Exterior, Parity, Patterns, Plate, WetSides};
 use nailnoise_acoustics::radiation::RadiatingSurface;
-use nailnoise_acoustics::radiation::flush::Rayleigh;
+use nailnoise_acoustics::radiation::flush_with_sand::Rayleigh;
 use nailnoise_meshes::gauss_legendre;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 

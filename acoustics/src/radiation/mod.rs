@@ -16,7 +16,7 @@ mod energy;
 mod erp;
 pub(crate) mod error;
 pub mod fluid_loading;
-pub mod flush;
+pub mod flush_with_sand;
 mod hermitian_root;
 mod operator;
 mod packed;

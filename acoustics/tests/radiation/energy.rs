@@ -1,7 +1,7 @@
 //! From acceleration records to energy.
 
 use crate::radiating_surfaces::{disk, flat, rectangle, references};
-use nailnoise_acoustics::radiation::flush::Rayleigh;
+use nailnoise_acoustics::radiation::flush_with_sand::Rayleigh;
 use nailnoise_acoustics::radiation::sound::rigid_body_far_field;
 use nailnoise_acoustics::radiation::{
     Erp, LowRank, ModalRadiation, ModalSpectra, RadiatingSurface, Sampling, mode_energies, radiated_energy,

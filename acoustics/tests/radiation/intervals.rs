@@ -4,7 +4,7 @@
 use crate::radiating_surfaces::{flat, rectangle};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::jets::{ExhaustSettings, FlowHistory, Opening, PlenumResonance, exhaust_noise};
-use nailnoise_acoustics::radiation::flush::{MovingSand, Rayleigh};
+use nailnoise_acoustics::radiation::flush_with_sand::{MovingSand, Rayleigh};
 use nailnoise_acoustics::radiation::{
     Erp, ModalRadiation, ModalSpectra, RadiatingSurface, Resistance, Sampling, radiated_energy, radiated_signals,
     rigid_body_energy, rigid_body_signals,

@@ -23,7 +23,7 @@ mod fluid_loading {
     mod plates;
     mod shell;
 }
-mod flush {
+mod flush_with_sand {
     mod rayleigh;
     mod sand;
 }

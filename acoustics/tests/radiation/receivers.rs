@@ -2,7 +2,7 @@
 
 use crate::radiating_surfaces::{disk, flat, rectangle};
 use nailnoise_acoustics::radiation::Sampling;
-use nailnoise_acoustics::radiation::flush::{MovingSand, Rayleigh, SoundAbovePlane};
+use nailnoise_acoustics::radiation::flush_with_sand::{MovingSand, Rayleigh, SoundAbovePlane};
 use nailnoise_acoustics::radiation::sound::{
     Iso3744Box, background_correction, environmental_correction, omnidirectional_transfer, oscillating_sphere_pressure,
 };

@@ -1,7 +1,7 @@
 //! From a mesh's skin to a radiating surface.
 
 use crate::radiating_surfaces::{flat, rectangle};
-use nailnoise_acoustics::radiation::flush::Rayleigh;
+use nailnoise_acoustics::radiation::flush_with_sand::Rayleigh;
 use nailnoise_acoustics::radiation::{Erp, ModalRadiation, RadiatingSurface, RadiationError};
 use nailnoise_acoustics::{AcousticsError, Air, InputError};
 use nailnoise_meshes::{Block, Mesh, QuadraturePoint, Surface, block};

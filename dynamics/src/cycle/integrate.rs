@@ -13,13 +13,13 @@ use diffsol::{
 use super::balance::Balance;
 use super::block_lu::BlockLu;
 use super::equations::Equations;
+use super::event_functions::{LEVELS, Log, heights};
 use super::locate::locate;
-use super::marks::{LEVELS, Log, heights};
 use super::mode::{Channel, Contact, Mode};
 use super::recorder::Recorder;
 use super::start::start;
 use super::state::*;
-use super::switching::{SLOTS, cross, entry, is_impact, margins, noise, slot_name};
+use super::switching::{SLOTS, cross, entry, event_tolerances, is_impact, margins, slot_name};
 use super::system::System;
 use super::tolerances::tolerances;
 use crate::{Crossing, CycleError, Form, Method, Settings, WoodMotion, Work};
@@ -79,7 +79,7 @@ pub(crate) struct Cycle<'s> {
     read: usize,
     heights: [f64; LEVELS],
     pub(crate) armed: [bool; SLOTS],
-    noise: [f64; SLOTS],
+    event_tolerances: [f64; SLOTS],
     pub(crate) chatter: [(f64, usize); SLOTS],
     pub(crate) run: Run,
 }
@@ -130,7 +130,7 @@ impl<'s> Cycle<'s> {
             read: 0,
             heights: heights(system, &mode, &y),
             armed: margins(system, &mode, &y).map(|m| m > 0.0),
-            noise: noise(system),
+            event_tolerances: event_tolerances(system),
             chatter: [(0.0, 0); SLOTS],
             run: Run {
                 recorder: Recorder::new(settings.sample_interval),
@@ -420,7 +420,7 @@ impl<'s> Cycle<'s> {
             let (t, y) = &stretch.points[k];
             let right = margins(self.system, &self.mode, y);
             for (slot, (before, after)) in stretch.margin.into_iter().zip(right).enumerate() {
-                if after > self.noise[slot] {
+                if after > self.event_tolerances[slot] {
                     self.armed[slot] = true;
                 } else if after <= 0.0 && (self.armed[slot] || before <= 0.0) {
                     let time = if before > 0.0 {
@@ -502,7 +502,7 @@ impl<'s> Cycle<'s> {
         }
         let margin = margins(self.system, &self.mode, &self.y);
         for (other, armed) in self.armed.iter_mut().enumerate() {
-            *armed = margin[other] > self.noise[other] || (other != slot && *armed);
+            *armed = margin[other] > self.event_tolerances[other] || (other != slot && *armed);
         }
         Ok(())
     }

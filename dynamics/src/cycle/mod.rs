@@ -12,13 +12,13 @@ mod balance;
 mod block_lu;
 mod coupled;
 mod equations;
+mod event_functions;
 mod flows;
 mod forces;
 mod gas;
 mod history;
 mod integrate;
 mod locate;
-mod marks;
 mod mode;
 #[cfg(test)]
 mod network_agrees;

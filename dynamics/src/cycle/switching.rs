@@ -133,10 +133,10 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
 /// A damped contact grazes if it lets go just as it is pressed shut again: its force touches zero and rises. The
 /// overlap, 1e-9 m on a cap of 1e11 N/m, is a difference between positions of centimetres. Rounding of these would open
 /// and close the contact thousands of times before its force has risen above the noise.
-pub(crate) fn noise(system: &System) -> [f64; SLOTS] {
-    let mut noise = [0.0; SLOTS];
-    noise[..Contact::COUNT].fill(16.0 * f64::EPSILON * system.p.piston.stroke);
-    noise
+pub(crate) fn event_tolerances(system: &System) -> [f64; SLOTS] {
+    let mut tolerances = [0.0; SLOTS];
+    tolerances[..Contact::COUNT].fill(16.0 * f64::EPSILON * system.p.piston.stroke);
+    tolerances
 }
 
 /// Whether `slot` monitors the rod on the nail.

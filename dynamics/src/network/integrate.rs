@@ -349,7 +349,7 @@ impl<'p> Run<'p> {
             self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
             self.watch.measure(t, plan, mode, &self.w, &mut self.watched[k]);
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
-                if *after > slots.noise[slot] {
+                if *after > slots.event_tolerances[slot] {
                     self.armed[slot] = true;
                 } else if *after <= 0.0 && (self.armed[slot] || *before <= 0.0) {
                     let time = if *before > 0.0 {
@@ -594,7 +594,7 @@ impl<'p> Run<'p> {
         plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
         for (other, armed) in self.armed.iter_mut().enumerate() {
-            *armed = self.right[other] > self.slots.noise[other] || (other != slot && *armed);
+            *armed = self.right[other] > self.slots.event_tolerances[other] || (other != slot && *armed);
         }
         Ok(())
     }

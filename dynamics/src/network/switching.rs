@@ -36,7 +36,7 @@ pub(crate) enum Slot {
 pub(crate) struct Slots {
     pub(crate) list: Vec<Slot>,
     /// Margin above which a slot is armed.
-    pub(crate) noise: Vec<f64>,
+    pub(crate) event_tolerances: Vec<f64>,
     /// How far a state must be evaluated for the margins.
     pub(crate) need: Need,
 }
@@ -68,7 +68,7 @@ impl Slots {
         // The overlap of a stiff contact is a difference between positions of centimetres. Their rounding would open
         // and close a grazing contact thousands of times before its force has risen above the noise.
         let rounding = 16.0 * f64::EPSILON * plan.reach;
-        let noise = list
+        let event_tolerances = list
             .iter()
             .map(|slot| {
                 if matches!(slot, Slot::Contact(_)) {
@@ -78,7 +78,11 @@ impl Slots {
                 }
             })
             .collect();
-        Ok(Self { list, noise, need })
+        Ok(Self {
+            list,
+            event_tolerances,
+            need,
+        })
     }
 
     /// Margins of a state evaluated as far as necessary; infinite if nothing is monitored.

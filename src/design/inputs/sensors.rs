@@ -1,6 +1,6 @@
 //! Accelerometers of a design with their points on its bodies, and pressure transducers in its chambers.
 
-use nailnoise_acoustics::radiation::flush::MovingSand;
+use nailnoise_acoustics::radiation::flush_with_sand::MovingSand;
 use nalgebra::Vector3;
 
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, Transducer};

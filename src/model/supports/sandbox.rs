@@ -1,6 +1,6 @@
 //! The sandbox of EN 12549; the top of the workpiece is flush with its sand.
 
-use nailnoise_acoustics::radiation::flush::{AbsorbingSand, MovingSand};
+use nailnoise_acoustics::radiation::flush_with_sand::{AbsorbingSand, MovingSand};
 use nailnoise_dynamics as dynamics;
 use nailnoise_fem::vibration::supports::{RectangularBase, Sand};
 

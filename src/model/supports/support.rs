@@ -1,7 +1,7 @@
 //! The interface of a support of the workpiece, and the types it returns.
 
 use nailnoise_acoustics::bem::SolidBox;
-use nailnoise_acoustics::radiation::flush::{AbsorbingSand, MovingSand};
+use nailnoise_acoustics::radiation::flush_with_sand::{AbsorbingSand, MovingSand};
 use nailnoise_dynamics as dynamics;
 use nailnoise_fem::Material;
 use nailnoise_fem::vibration::supports::contact_dashpot;

@@ -13,13 +13,13 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures, SurfacePressures};
-use nailnoise_acoustics::radiation::flush::{FlushSound, Rayleigh};
+use nailnoise_acoustics::radiation::flush_with_sand::{FlushSound, Rayleigh};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::CODE;
 use super::boundary_elements::{Places, Solution};
-use super::flush::{sampled, sampling_to, top_of};
+use super::flush_with_sand::{sampled, sampling_to, top_of};
 use super::reference::RadiatingShape;
 use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};

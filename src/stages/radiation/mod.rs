@@ -7,7 +7,7 @@
 mod boundary_elements;
 mod covered;
 mod error;
-mod flush;
+mod flush_with_sand;
 mod matrices;
 mod radiators;
 mod reference;
@@ -19,7 +19,7 @@ pub(crate) use boundary_elements::describe_gap;
 pub use boundary_elements::{Places, Resolution, Solution};
 pub use covered::{CoveredFaces, OpenFaces};
 pub use error::SurfaceError;
-pub use flush::{FlushTop, top_of};
+pub use flush_with_sand::{FlushTop, top_of};
 pub use matrices::{
     FlushMatrix, MatrixWithMicrophones, PressureAtMicrophones, PressureOnSurface, RadiationMatrix, ToolCapSolution,
     ToolSolution, WorkpieceSolution,

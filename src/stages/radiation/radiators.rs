@@ -3,14 +3,14 @@
 use nailnoise_acoustics::radiation::Erp;
 use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
 use nailnoise_acoustics::radiation::fluid_loading::DryModes;
-use nailnoise_acoustics::radiation::flush::{FlushRadiator, FlushSound};
+use nailnoise_acoustics::radiation::flush_with_sand::{FlushRadiator, FlushSound};
 use nailnoise_acoustics::radiation::radiator::{FluidLoads, Loading, Radiator, SeparateBodies};
 use nailnoise_acoustics::{AcousticsError, Air};
 use serde::Serialize;
 
 use super::CODE;
 use super::covered::CoveredFaces;
-use super::flush::{FlushTop, top_of};
+use super::flush_with_sand::{FlushTop, top_of};
 use super::matrices::FlushMatrix;
 use crate::error::Error;
 use crate::stages::bodies::Body;

@@ -18,7 +18,7 @@ use serde::Serialize;
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::error::SurfaceError;
-use super::flush::{FlushTop, top_of};
+use super::flush_with_sand::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;

@@ -1,9 +1,9 @@
 //! Radiation of vibrating structures: power with a second evaluation, and pressures at receivers.
 //!
 //! A [`Radiator`] represents one or several bodies with their surroundings:
-//! [`ModalBem`](super::boundary_elements::ModalBem), a surface [flush with sand](super::flush::FlushRadiator), or
-//! bodies of radiation efficiency 1 ([`SeparateBodies`]). A rigid tool radiates as a [sphere](RigidSphere) of equal
-//! volume.
+//! [`ModalBem`](super::boundary_elements::ModalBem), a surface
+//! [flush with sand](super::flush_with_sand::FlushRadiator), or bodies of radiation efficiency 1
+//! ([`SeparateBodies`]). A rigid tool radiates as a [sphere](RigidSphere) of equal volume.
 
 mod boundary_elements;
 pub(crate) mod fluid_loading;

@@ -203,7 +203,7 @@ mod tests {
     use super::*;
     use crate::bem::{BoundaryMesh, SolidBox};
     use crate::radiation::RadiatingSurface;
-    use crate::radiation::flush::Rayleigh;
+    use crate::radiation::flush_with_sand::Rayleigh;
     use nailnoise_meshes::gauss_legendre;
     use nalgebra::Point3;
 

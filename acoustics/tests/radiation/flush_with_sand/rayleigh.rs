@@ -1,7 +1,7 @@
 //! Rayleigh's integral against closed forms, and the laws of a radiation resistance.
 
 use crate::radiating_surfaces::{disk, flat, rectangle, references};
-use nailnoise_acoustics::radiation::flush::Rayleigh;
+use nailnoise_acoustics::radiation::flush_with_sand::Rayleigh;
 use nailnoise_acoustics::radiation::{Erp, ModalRadiation, RadiatingSurface, RadiationError, Resistance, Sampling};
 use nailnoise_acoustics::{AcousticsError, Air, InputError, SamplingError};
 use nalgebra::{Complex, DMatrix, SymmetricEigen};

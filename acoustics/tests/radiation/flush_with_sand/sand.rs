@@ -2,7 +2,7 @@
 
 use crate::radiating_surfaces::{flat, rectangle};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::radiation::flush::{
+use nailnoise_acoustics::radiation::flush_with_sand::{
     AbsorbingSand, FlushSound, MovingSand, Rayleigh, SoundAbovePlane, SurfaceResistances, band_sound_above_plane,
 };
 use nailnoise_acoustics::radiation::sound::{Directions, FieldPoints};

@@ -1,7 +1,7 @@
 //! Radiation of a block's top that is flush with the sand around it, by Rayleigh's integral.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::radiation::flush::{AbsorbingSand, FlushSound, MovingSand, Rayleigh};
+use nailnoise_acoustics::radiation::flush_with_sand::{AbsorbingSand, FlushSound, MovingSand, Rayleigh};
 use nailnoise_acoustics::radiation::{RadiatingSurface, Sampling};
 use nailnoise_meshes::QuadraturePoint;
 use serde::Serialize;
