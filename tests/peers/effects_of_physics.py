@@ -1,12 +1,13 @@
-"""Writes the table of docs/validation.md of what each option of the shot's physics changes, switched on alone.
+"""Writes the tables of docs/validation.md of what each option of the shot's physics changes, switched on alone.
 
-    effects_of_physics.py NAILNOISE PAGE           compares the table of the page with the program, to the digit
-    effects_of_physics.py NAILNOISE PAGE --update  writes it
-    effects_of_physics.py NAILNOISE --levels FILE  writes sensors, levels and third octaves of all sources as CSV
+    effects_of_physics.py NAILNOISE PAGE           compares the table of the cycle with the program, to the digit, and
+                                                   that of the levels with the file next to the page
+    effects_of_physics.py NAILNOISE PAGE --update  writes both tables
+    effects_of_physics.py NAILNOISE PAGE --runs    makes runs, minutes each; writes that file and both tables
 
-A row has the events, the speed of the rod at the nail, the mean speed of the nail, the kinetic energy left at full depth,
-the depth of the head, the peak force on the wood and that on the bumper. It needs the cycle alone, some seconds. Levels
-need runs, minutes each.
+A row of the cycle has the events, the speed of the rod at the nail, the mean speed of the nail, the kinetic energy left
+at full depth, the depth of the head, the peak force on the wood and that on the bumper. The file
+`effects-of-options.csv` has sensors, levels and third octaves of all sources.
 """
 
 import csv
@@ -19,6 +20,8 @@ from pathlib import Path
 DESIGN = "designs/n80cb-as-tested.toml"
 BEGIN = "<!-- effects of the options: written by tests/peers/effects_of_physics.py --update -->"
 END = "<!-- end of the effects -->"
+LEVELS_BEGIN = "<!-- levels of the options: written by tests/peers/effects_of_physics.py --update -->"
+LEVELS_END = "<!-- end of the levels -->"
 SPEED, HEAD = "wood.rate=speed", "wood.head_law=yields"
 OPTIONS = [
     ("as tested, all options off", []),
@@ -40,7 +43,7 @@ def compute(command, program, settings, folder):
     for setting in settings:
         arguments += ["--set", setting]
     done = subprocess.run(arguments, capture_output=True, text=True)
-    if done.returncode not in (0, 3):
+    if done.returncode not in (0, 1, 3):
         raise SystemExit(done.stderr)
     return json.loads(done.stdout)
 
@@ -80,7 +83,8 @@ def table(program):
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
-def levels(program, path):
+def run_all(program, path):
+    """Writes the sensors, the levels and the third octaves of a run with each option."""
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["option", "quantity", "band [Hz]", "value"])
@@ -97,18 +101,51 @@ def levels(program, path):
             file.flush()
 
 
+def level_table(path):
+    """Sensors and levels of each option, and the largest change of a third octave of each source."""
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    values = {(row["option"], row["quantity"], row["band [Hz]"]): float(row["value"]) for row in rows}
+    first = OPTIONS[0][0]
+    sensors = ["W RMS [g]", "table_centre RMS [g]"]
+    sources = [row["quantity"] for row in rows if row["option"] == first and row["quantity"].endswith("L_WA [dB(A)]")]
+    names = [name.split()[0] for name in sources]
+    header = ["option", "W [g]", "table's centre [g]", *(f"{name} [dB(A)]" for name in names)]
+    header += [f"{name}: largest change of a third octave" for name in names]
+    lines = [header, ["---"] + ["--:"] * (len(header) - 1)]
+    for option, _ in OPTIONS:
+        line = [option, *(f"{values[option, name, '']:.1f}" for name in sensors)]
+        line += [f"{values[option, name, '']:.1f}" for name in sources]
+        for name in names:
+            quantity = f"{name} L_W [dB]"
+            bands = [band for own, what, band in values if own == option and what == quantity]
+            changes = [(values[option, quantity, b] - values[first, quantity, b], b) for b in bands]
+            change, band = max(changes, key=lambda own: abs(own[0]))
+            line.append("" if option == first else f"{change:+.1f} dB at {band} Hz" if abs(change) >= 0.05 else "none")
+        lines.append(line)
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def replaced(text, begin, end, table):
+    """The page with a table in place of that between two comments, and the table that it had."""
+    start, stop = text.index(begin) + len(begin) + 1, text.index(end)
+    return text[:start] + table + text[stop:], text[start:stop]
+
+
 def main():
-    program = sys.argv[1]
-    if sys.argv[2] == "--levels":
-        return levels(program, sys.argv[3])
-    page = Path(sys.argv[2])
+    program, page = sys.argv[1], Path(sys.argv[2])
+    path = page.parent / "effects-of-options.csv"
+    if "--runs" in sys.argv:
+        run_all(program, path)
     text = page.read_text()
-    start, end = text.index(BEGIN) + len(BEGIN) + 1, text.index(END)
-    found = table(program)
-    if "--update" in sys.argv:
-        page.write_text(text[:start] + found + text[end:])
-    elif text[start:end] != found:
-        raise SystemExit(f"{page}: the table differs from the program\n{found}")
+    tables = [(BEGIN, END, table(program)), (LEVELS_BEGIN, LEVELS_END, level_table(path))]
+    update = "--update" in sys.argv or "--runs" in sys.argv
+    for begin, end, found in tables:
+        text, before = replaced(text, begin, end, found)
+        if not update and before != found:
+            raise SystemExit(f"{page}: the table differs from the program\n{found}")
+    if update:
+        page.write_text(text)
 
 
 if __name__ == "__main__":
