@@ -189,7 +189,7 @@ fn observed(
         .collect()
 }
 
-/// A-weighted levels of a source at each receiver \[dB re (20 uPa)2 s\]. A part of a source may take energy from a band.
+/// A-weighted levels of a source at each receiver \[dB re (20 uPa)2 s\]. Parts of a source may take energy from a band.
 fn levels_of(source: &AtMicrophones) -> Vec<f64> {
     let level = |bands: &Vec<[f64; 2]>| {
         let exposure: f64 = bands.iter().map(|[a, _]| a).sum();

@@ -147,8 +147,8 @@ fn conflict(own: &Levelled, measured: &Measurements, found: &Found) -> ConflictR
 
 fn notes(own: &Levelled, measured: &Measurements, notes: &mut Vec<String>) {
     notes.push(format!(
-        "levels of {} shots with {ERRORS} errors of the methods each; weighted by the measured levels they count as {:.0} \
-         shots",
+        "levels of {} shots with {ERRORS} errors of the methods each; weighted by the measured levels they count as \
+         {:.0} shots",
         own.shots, own.effective
     ));
     let left_out = own.conflicts.iter().filter(|own| own.factor.is_none());

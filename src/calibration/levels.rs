@@ -137,8 +137,8 @@ pub(super) struct LevelStage<'a> {
 }
 
 impl LevelStage<'_> {
-    /// The draws of a posterior weighted by the levels; `held_out` are only predicted. With too few effective draws among
-    /// the first ones, all draws are used.
+    /// The draws of a posterior weighted by the levels; `held_out` are only predicted. With too few effective draws
+    /// among the first ones, all draws are used.
     ///
     /// # Errors
     /// The errors of a study.
@@ -457,8 +457,8 @@ impl Levelled {
         conflict::probability(&self.likelihood, level, &self.particles, &weights, 1.0)
     }
 
-    /// Ends of the methods' errors to which a level, with all others that count, presses the draws: source, whether it is
-    /// the upper end, and the share of the draws there.
+    /// Ends of the methods' errors to which a level, with all others that count, presses the draws: source, whether it
+    /// is the upper end, and the share of the draws there.
     pub(super) fn pressed(&self, level: usize) -> Vec<(&str, bool, f64)> {
         let terms = self.log_weights(&[level]).into_iter().zip(&self.particles);
         let log: Vec<f64> = terms

@@ -1,7 +1,7 @@
 //! Calibration: conditions the ranges of a design on the user's measurements of the tool.
 //!
 //! The crate `nailnoise-calibration` does the sampling; this module contains the measurement file, the quantities of
-//! the cycle, the tool as a simulator, and the result with its files.
+//! the cycle, the tool as a simulator, the levels that weight its draws, and the result with its files.
 
 mod error;
 mod fields;

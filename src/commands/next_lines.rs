@@ -27,8 +27,8 @@ pub(super) fn next_lines(rows: &[NextRow]) -> String {
     };
     let lines: String = named.iter().map(line).collect();
     format!(
-        "  measure next: the total is known to {:.1} dB (90 %), the loudest source with P(first) {:.2}; with\n{lines}    \
-         shots that could be measured: `nailnoise calibrate DESIGN --next`\n",
+        "  measure next: the total is known to {:.1} dB (90 %), the loudest source with P(first) {:.2}; with\n{lines}\
+         \x20   shots that could be measured: `nailnoise calibrate DESIGN --next`\n",
         first.width[0], first.first[0]
     )
 }

@@ -255,8 +255,8 @@ fn measured_levels_narrow_the_total_around_the_truth_unless_they_contradict_each
          error = \"0.7 dB\", shots = 5 }}\n"
     );
     let vibration = format!(
-        "table = {{ condition = \"own\", quantity = \"rms_acceleration\", sensor = {}, value = \"{} g\", error = \"5 %\", \
-         shots = 5 }}\n",
+        "table = {{ condition = \"own\", quantity = \"rms_acceleration\", sensor = {}, value = \"{} g\", \
+         error = \"5 %\", shots = 5 }}\n",
         sensor["name"],
         number(&sensor["rms_g"])
     );
@@ -311,7 +311,8 @@ fn measured_levels_narrow_the_total_around_the_truth_unless_they_contradict_each
     // Two levels of the same quantity that differ by 12 dB.
     let power = |name: &str, level: f64| {
         format!(
-            "{name} = {{ condition = \"own\", quantity = \"level\", value = \"{level} dB\", error = \"0.5 dB\", shots = 5 }}\n"
+            "{name} = {{ condition = \"own\", quantity = \"level\", value = \"{level} dB\", error = \"0.5 dB\", \
+             shots = 5 }}\n"
         )
     };
     let (contrary, text, status) = made(&[power("quiet", own - 6.0), power("loud", own + 6.0)].concat(), &[]);

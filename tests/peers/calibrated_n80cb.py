@@ -78,10 +78,10 @@ def page(result, file, arguments):
     parts = ["# The N80CB calibrated with published figures"]
     parts.append(
         wrapped(
-            "The published tests of this tool state a few figures of its shot ([validation](validation.md)). This page "
-            "conditions the ranges of `n80cb-as-tested.toml` on those that the model can predict on the worktable, as far "
-            "as they agree. It is the only place where a published figure conditions anything: no value of a shipped design "
-            "follows from it. `tests/peers/calibrated_n80cb.py` makes the page, with "
+            "The published tests of this tool state a few figures of its shot ([validation](validation.md)). This "
+            "page conditions the ranges of `n80cb-as-tested.toml` on those that the model can predict on the worktable, "
+            "as far as they agree. It is the only place where a published figure conditions anything: no value of a "
+            "shipped design follows from it. `tests/peers/calibrated_n80cb.py` makes the page, with "
             f"`--draws {arguments.draws} --levels {arguments.levels}`."
         )
     )
@@ -89,9 +89,9 @@ def page(result, file, arguments):
     parts.append(
         wrapped(
             "The errors are assumptions: none is published. The level of the workpiece is an upper bound. The mean "
-            "penetration energy and the penetration time are the mean speed in other words. The closure and the fall from "
-            "worktable to sandbox refer to two tests at once, and the figures of the sandbox to another support; they are "
-            "not used."
+            "penetration energy and the penetration time are the mean speed in other words. The closure and the fall "
+            "from worktable to sandbox refer to several tests at once, and the figures of the sandbox to another "
+            "support; they are not used."
         )
     )
     rows = ["| figure | published | unit | before, 90 % | now, 90 % | left over, sd | probability | verdict |"]
@@ -109,24 +109,23 @@ def page(result, file, arguments):
         parts.append("The sampler has not converged: " + "; ".join(result["faults"]) + ".")
     for own in result["conflicts"]:
         other = own["partner"] or "the others and the ranges together"
-        text = f"**Conflict**: {own['measurement']} contradicts {other}, with a probability of {own['probability']:.1e}."
+        text = f"**Conflict**: {own['measurement']} contradicts {other}; its probability is {own['probability']:.1e}."
         if own["nearest"] is not None:
-            text = f"**Not reached**: no draw comes near {own['measurement']}; the nearest has {number(own['nearest'])}."
+            nearest = number(own["nearest"])
+            text = f"**Not reached**: no draw comes near {own['measurement']}; the nearest has {nearest}."
         remedies = "".join(f"\n- {remedy}" for remedy in own["remedies"])
         parts.append(wrapped(text + " It is left out of all intervals. What would have to give:") + "\n" + remedies)
     if not result["conflicts"]:
         parts.append(
             wrapped(
-                f"No figure contradicts the others: {', '.join(used)} condition the draws. The speed lies at the upper end "
-                "of what the ranges reach."
+                f"No figure contradicts the others: {', '.join(used)} condition the draws."
             )
         )
     rows = ["| input | unit | before, 90 % | now, 90 % | ratio of widths |", "|---|---|---|---|---|"]
     moved = [own for own in result["inputs"] if own["ratio"] < result["moved_below"]]
     for own in moved:
-        rows.append(
-            f"| `{own['name']}` | {own['unit']} | {interval(own['before'])} | {interval(own['now'])} | {own['ratio']:.2f} |"
-        )
+        ends = f"{interval(own['before'])} | {interval(own['now'])}"
+        rows.append(f"| `{own['name']}` | {own['unit']} | {ends} | {own['ratio']:.2f} |")
     parts.append(
         "## What moved\n\n"
         + ("\n".join(rows) + "\n\n" if moved else "")

@@ -89,7 +89,8 @@ def main():
     true = {own["source"]: own["lwa_db"] for own in truth["ranking"]} | {"total": truth["total"]["lwa_db"]}
     print("| L_WA,1s, dB | true | ranges, 90 % | without levels | now |\n|---|---|---|---|---|")
     for row in result["levels"]:
-        intervals = [f"{own[0]:.1f} .. {own[2]:.1f}" if own else "-" for own in (row["ranges"], row["before"], row["now"])]
+        intervals = [row[key] for key in ("ranges", "before", "now")]
+        intervals = [f"{own[0]:.1f} .. {own[2]:.1f}" if own else "-" for own in intervals]
         print(f"| {row['output']} | {true[row['output']]:.1f} | {' | '.join(intervals)} |")
     total = result["levels"][-1]
     width = lambda own: own[2] - own[0]
