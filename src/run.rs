@@ -17,7 +17,7 @@ use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
 use crate::stages::cycle::{EngineRecord, EventTimes, ShotRecord};
-use crate::stages::microphones::Microphones;
+use crate::stages::microphones::{AtMicrophones, Microphones};
 use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
@@ -158,6 +158,20 @@ impl Chain {
         self.graph.prepare(&usable)
     }
 
+    /// Every source at the microphones and at the operator's ear. `design` is the design of the chain, or one with the
+    /// same bodies and air.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage that could not be computed.
+    pub(crate) fn received(&self, design: &Design) -> Result<Vec<AtMicrophones>, Error> {
+        let array = inputs::microphones::array(design)?;
+        let complete = (0..).zip(&self.sources).map(|(number, own)| {
+            let sound = own.sound.get()?;
+            Ok::<_, Error>(array.complete(&sound.heard, self.noise_seed, number))
+        });
+        Ok(received(&complete.collect::<Result<Vec<_>, Error>>()?))
+    }
+
     fn ranked(&self, design: &Design) -> Result<Run, Error> {
         self.check_bodies()?;
         self.graph.prepare(&self.outputs())?;
@@ -223,10 +237,7 @@ impl Chain {
         let (mut ranking, total) = ranking::rank(&sources, range_hz);
         let microphones = self.graph.time("microphones", || {
             let array = inputs::microphones::array(design)?;
-            let complete = (0..).zip(&sounds);
-            let complete = complete.map(|(number, sound)| array.complete(&sound.heard, self.noise_seed, number));
-            let received = received(&complete.collect::<Vec<_>>());
-            array.measurement(&inputs::microphones::room(design), &received)
+            array.measurement(&inputs::microphones::room(design), &self.received(design)?)
         })?;
         let powers = ranking::powers(&ranking, &sources, end);
         let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);

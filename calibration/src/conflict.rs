@@ -90,7 +90,7 @@ pub fn weights_without(likelihood: &Likelihood, particles: &[Particle], left_out
 }
 
 /// Converts log weights to weights that sum to 1.
-fn normalised(log: &[f64]) -> Vec<f64> {
+pub fn normalised(log: &[f64]) -> Vec<f64> {
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let sum: f64 = weights.iter().sum();
@@ -99,7 +99,7 @@ fn normalised(log: &[f64]) -> Vec<f64> {
 
 /// Two-sided predictive probability, estimated from weighted draws, of a reading at least as extreme as the actual one;
 /// for a censored reading, the probability of the observed interval. `factor` widens the independent error.
-fn probability(likelihood: &Likelihood, datum: usize, particles: &[Particle], weights: &[f64], factor: f64) -> f64 {
+pub fn probability(likelihood: &Likelihood, datum: usize, particles: &[Particle], weights: &[f64], factor: f64) -> f64 {
     let own = &likelihood.data()[datum];
     let mut sides = [0.0; 2];
     for (particle, weight) in particles.iter().zip(weights) {
@@ -149,18 +149,30 @@ pub struct Conflict {
 /// If two readings contradict only each other, the data cannot show which one is wrong, and they are reported as a
 /// pair. A reading that remains improbable whichever single other reading is removed contradicts the rest.
 pub fn worst(likelihood: &Likelihood, particles: &[Particle]) -> Option<Conflict> {
+    worst_of_weighted(likelihood, particles, |left_out| {
+        weights_without(likelihood, particles, left_out)
+    })
+}
+
+/// The same for draws whose weights, conditioned on all readings but those left out, are given by `weights`.
+pub fn worst_of_weighted(
+    likelihood: &Likelihood,
+    particles: &[Particle],
+    weights: impl Fn(&[usize]) -> Vec<f64>,
+) -> Option<Conflict> {
     let data = likelihood.data();
     let counting: Vec<usize> = (0..data.len()).filter(|&k| data[k].counts).collect();
-    let alone: Vec<(usize, f64)> = counting
-        .iter()
-        .map(|&k| (k, left_out_probability(likelihood, particles, k, &[])))
-        .collect();
+    let of = |k: usize, others: &[usize]| {
+        let weights = weights(&[&[k], others].concat());
+        probability(likelihood, k, particles, &weights, 1.0)
+    };
+    let alone: Vec<(usize, f64)> = counting.iter().map(|&k| (k, of(k, &[]))).collect();
     let &(datum, probability) = alone.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     if probability >= CONFLICT {
         return None;
     }
     let partners = alone.iter().filter(|(k, own)| *k != datum && *own < SURPRISING);
-    let without = partners.map(|&(k, _)| (k, left_out_probability(likelihood, particles, datum, &[k])));
+    let without = partners.map(|&(k, _)| (k, of(datum, &[k])));
     let partner = without
         .filter(|(_, own)| *own >= CONFLICT)
         .max_by(|a, b| a.1.total_cmp(&b.1));
@@ -174,10 +186,23 @@ pub fn worst(likelihood: &Likelihood, particles: &[Particle]) -> Option<Conflict
 /// The factor by which the independent errors of one or two readings must be widened so that each has a predictive
 /// probability of 5 % given the remaining data.
 pub fn widening(likelihood: &Likelihood, particles: &[Particle], datum: usize, partner: Option<usize>) -> f64 {
+    widening_of_weighted(likelihood, particles, &vec![0.0; particles.len()], datum, partner)
+}
+
+/// The same for draws with these logarithms of weights, which do not depend on the one or two readings.
+pub fn widening_of_weighted(
+    likelihood: &Likelihood,
+    particles: &[Particle],
+    log_weights: &[f64],
+    datum: usize,
+    partner: Option<usize>,
+) -> f64 {
     let agree = |factor: f64| {
         let of = |k: usize, other: Option<usize>| {
-            let log = |own: &Particle| other.map_or(0.0, |j| likelihood.widened(j, factor, &own.z, own.predictions[j]));
-            let log: Vec<f64> = particles.iter().map(log).collect();
+            let log = |(own, base): (&Particle, &f64)| {
+                base + other.map_or(0.0, |j| likelihood.widened(j, factor, &own.z, own.predictions[j]))
+            };
+            let log: Vec<f64> = particles.iter().zip(log_weights).map(log).collect();
             probability(likelihood, k, particles, &normalised(&log), factor) >= SURPRISING
         };
         of(datum, partner) && partner.is_none_or(|other| of(other, Some(datum)))

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use crate::Simulator;
 use crate::likelihood::{Likelihood, Prediction};
 use crate::random::Stream;
-use crate::statistics::{correlation, effective_size, log_mean_exp, moments};
+use crate::statistics::{correlation, effective_size, log_mean_exp, moments, resampled};
 use crate::subspace::{Reference, Regression, directions};
 
 /// Degrees of freedom of the proposal in the informed directions.
@@ -317,7 +317,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             let weights: Vec<f64> = members.iter().map(|&k| parts[k]).collect();
             let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let weights: Vec<f64> = weights.iter().map(|w| (w - most).exp()).collect();
-            let places = systematic(&weights, stream.uniform(half as u64));
+            let places = resampled(&weights, weights.len(), stream.uniform(half as u64));
             members
                 .iter()
                 .zip(places)
@@ -556,23 +556,6 @@ fn rise(log: &[f64], temperature: f64) -> f64 {
     low.max(LEAST_RISE).min(rest)
 }
 
-/// Systematic resampling: draws as many indices as there are weights, from one uniform number.
-fn systematic(weights: &[f64], uniform: f64) -> Vec<usize> {
-    let total: f64 = weights.iter().sum();
-    let n = weights.len();
-    let (mut place, mut below) = (0, weights.first().copied().unwrap_or_default());
-    let mut chosen = Vec::with_capacity(n);
-    for k in 0..n {
-        let at = (k as f64 + uniform) / n as f64 * total;
-        while below < at && place + 1 < n {
-            place += 1;
-            below += weights[place];
-        }
-        chosen.push(place);
-    }
-    chosen
-}
-
 fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for number in numbers {
@@ -585,19 +568,6 @@ fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn resampling_gives_each_weight_its_share_within_one() {
-        let weights = [0.1, 3.0, 0.0, 1.9];
-        for uniform in [0.01, 0.5, 0.99] {
-            let chosen = systematic(&weights, uniform);
-            for (place, weight) in weights.iter().enumerate() {
-                let count = chosen.iter().filter(|own| **own == place).count() as f64;
-                assert!((count - weight / 5.0 * 4.0).abs() < 1.0, "{chosen:?}");
-            }
-        }
-        assert_eq!(systematic(&[1.0; 5], 0.3), [0, 1, 2, 3, 4]);
-    }
 
     #[test]
     fn the_temperature_rises_to_half_of_the_particles() {

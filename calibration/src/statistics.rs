@@ -94,6 +94,22 @@ pub fn moments(numbers: &[f64]) -> [f64; 2] {
     [mean, variance.sqrt()]
 }
 
+/// Systematic resampling: draws `n` indices of weighted draws, from one number of the uniform distribution over 0..1.
+pub fn resampled(weights: &[f64], n: usize, uniform: f64) -> Vec<usize> {
+    let total: f64 = weights.iter().sum();
+    let (mut place, mut below) = (0, weights.first().copied().unwrap_or_default());
+    let mut chosen = Vec::with_capacity(n);
+    for k in 0..n {
+        let at = (k as f64 + uniform) / n as f64 * total;
+        while below < at && place + 1 < weights.len() {
+            place += 1;
+            below += weights[place];
+        }
+        chosen.push(place);
+    }
+    chosen
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,5 +148,23 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|x| (0.5 * x).exp()).collect();
         assert!((rank_correlation(&x, &y) - 1.0).abs() < 1e-12 && correlation(&x, &y) < 0.9);
         assert!((rank_correlation(&[1.0, 1.0, 2.0], &[1.0, 1.0, 5.0]) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn resampling_gives_each_weight_its_share_within_one() {
+        let weights = [0.1, 3.0, 0.0, 1.9];
+        for uniform in [0.01, 0.5, 0.99] {
+            let chosen = resampled(&weights, 4, uniform);
+            for (place, weight) in weights.iter().enumerate() {
+                let count = chosen.iter().filter(|own| **own == place).count() as f64;
+                assert!((count - weight / 5.0 * 4.0).abs() < 1.0, "{chosen:?}");
+            }
+        }
+        assert_eq!(resampled(&[1.0; 5], 5, 0.3), [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn resampling_draws_more_indices_than_there_are_weights() {
+        assert_eq!(resampled(&[1.0, 3.0], 8, 0.5), [0, 0, 1, 1, 1, 1, 1, 1]);
     }
 }

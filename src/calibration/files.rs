@@ -8,7 +8,6 @@ use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
 use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;
 use crate::output;
-use crate::study::code_of_joint_draws;
 
 /// Name of the file with the joint draws.
 pub const JOINT: &str = "calibrated.draws";
@@ -61,7 +60,7 @@ pub(super) fn files(
     posterior: &Posterior,
     design: &Design,
     result: &CalibrationResult,
-    table: &Table,
+    (table, joint): (&Table, &JointDraws),
 ) -> Result<Files, Error> {
     let moved = moved_keys(posterior, result, table);
     let header = std::iter::once("draw".to_owned()).chain(table.names.iter().cloned());
@@ -77,22 +76,10 @@ pub(super) fn files(
     });
     Ok(Files {
         draws: output::table(header, rows)?,
-        joint: serde_json::to_vec(&joint(posterior, result, table)).map_err(Error::Json)?,
+        joint: serde_json::to_vec(joint).map_err(Error::Json)?,
         design: calibrated(design, result, &moved),
         base: design.path().to_owned(),
     })
-}
-
-/// The draws of the keys, in the order of the table.
-pub(super) fn joint(posterior: &Posterior, result: &CalibrationResult, table: &Table) -> JointDraws {
-    let keys = posterior.tool.keys();
-    let rows = table.rows.iter().map(|row| row[..keys].to_vec());
-    JointDraws::new(
-        result.measured.clone(),
-        code_of_joint_draws(),
-        table.names[..keys].to_vec(),
-        rows.collect(),
-    )
 }
 
 /// The design file without its base.

@@ -2,6 +2,7 @@
 
 use nailnoise_calibration::likelihood::Reading;
 
+use super::level_quantities::LevelQuantity;
 use super::quantities::Quantity;
 use crate::design::Design;
 
@@ -14,8 +15,10 @@ pub(super) struct Measurements {
     pub(super) instruments: Vec<String>,
     /// Conditions under which shots were made.
     pub(super) conditions: Vec<Condition>,
-    /// The readings.
+    /// The readings of the cycle.
     pub(super) data: Vec<Measured>,
+    /// The readings of sound and vibration.
+    pub(super) levels: Vec<MeasuredLevel>,
     /// Correlations of their errors.
     pub(super) correlations: Vec<Correlation>,
     /// Assumptions about readings that the user should know.
@@ -69,6 +72,22 @@ pub(super) struct Measured {
     /// Standard deviation of the model's error.
     pub(super) discrepancy: f64,
     /// Error shared with other readings of the same instrument.
+    pub(super) instrument: Option<InstrumentError>,
+}
+
+/// A reading of sound or vibration, in decibels: re 1 pW s, (20 uPa)2 s or 1 m/s2.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct MeasuredLevel {
+    pub(super) name: String,
+    /// Index of the condition.
+    pub(super) condition: usize,
+    pub(super) quantity: LevelQuantity,
+    pub(super) reading: Reading,
+    /// Standard deviation of the independent error of the mean over all shots, including the scatter of shots \[dB\].
+    pub(super) error: f64,
+    /// Standard deviation of the model's error \[dB\].
+    pub(super) discrepancy: f64,
+    /// Error shared with other readings of the same instrument \[dB\].
     pub(super) instrument: Option<InstrumentError>,
 }
 

@@ -1,10 +1,17 @@
 //! Calibration: conditions the ranges of a design on the user's measurements of the tool.
 //!
 //! The crate `nailnoise-calibration` does the sampling; this module contains the measurement file, the quantities of
-//! the cycle, the tool as a simulator, and the result with its files.
+//! the cycle, the tool as a simulator, the levels that weight its draws, and the result with its files.
 
 mod error;
+mod fields;
 mod files;
+mod joint;
+mod level_draws;
+mod level_quantities;
+mod level_reader;
+mod level_rows;
+mod levels;
 mod measurements;
 mod next;
 mod posterior;
@@ -22,7 +29,8 @@ use std::path::Path;
 
 pub use error::CalibrationError;
 pub use files::{Files, JOINT};
-pub use next::NextRow;
+pub use levels::{LevelRow, LevelWork};
+pub use next::{NextRow, next_of_study};
 pub use posterior::{Request, Treatment, Work};
 pub use result::{
     CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, NOT_CONVERGED, PairRow, Verdict,
@@ -69,6 +77,7 @@ pub fn calibrate(
     };
     let held_out = request.hold_out.iter().map(|name| {
         let known = measured.data.iter().map(|own| own.name.as_str());
+        let known = known.chain(measured.levels.iter().map(|own| own.name.as_str()));
         known
             .clone()
             .position(|own| own == name)
@@ -78,6 +87,9 @@ pub fn calibrate(
             })
     });
     let held_out = held_out.collect::<Result<Vec<usize>, _>>()?;
+    let of_cycle = measured.data.len();
+    let (held_out, held_levels): (Vec<usize>, Vec<usize>) = held_out.into_iter().partition(|&own| own < of_cycle);
+    let held_levels: Vec<usize> = held_levels.into_iter().map(|own| own - of_cycle).collect();
     let tool = tool::Tool::new(design, &measured, request.seed)?;
     let key = key(design, &tool, &measured, request);
     let calibration = posterior::Calibration {
@@ -88,19 +100,39 @@ pub fn calibrate(
         key,
         progress,
     };
-    let posterior = calibration.posterior(held_out)?;
-    let (mut result, table) = result::result(&posterior, design, &measured, request, &file);
-    if let Some(count) = request.next {
+    let mut posterior = calibration.posterior(held_out)?;
+    let graph = Graph::quiet(store, progress.observer());
+    let levels = if measured.levels.is_empty() {
+        None
+    } else {
+        let stage = levels::LevelStage {
+            design,
+            measured: &measured,
+            request,
+            graph: &graph,
+            progress,
+            joint: joint::joint(&posterior, None, &file),
+        };
+        let weighted = stage.weighted(&posterior, &held_levels)?;
+        Some(levels::ByLevels::of(weighted, &mut posterior, request.seed))
+    };
+    progress.stage("figures of the draws");
+    let (mut result, mut table) = result::result(&posterior, design, &measured, request, &file);
+    let joint = joint::joint(&posterior, levels.as_ref(), &file);
+    if let Some(levels) = &levels {
+        let ranges = level_rows::ranges(store, design)?;
+        level_rows::add(levels, (&measured, &ranges), &mut result, &mut table);
+    }
+    if request.next {
         let levelled = next::Levelled {
             tool: &posterior.tool,
             design,
-            joint: files::joint(&posterior, &result, &table),
+            joint: joint.clone(),
             points: posterior.state.particles.iter().map(|own| own.z.as_slice()).collect(),
         };
-        let graph = Graph::quiet(store, progress.observer());
-        result.next = levelled.next(&graph, count, request.seed, progress)?;
+        result.next = levelled.next(&graph, request.levels, request.seed, progress)?;
     }
-    let files = files::files(&posterior, design, &result, &table)?;
+    let files = files::files(&posterior, design, &result, (&table, &joint))?;
     Ok((result, files))
 }
 

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use nailnoise_calibration::likelihood::ErrorLaw;
 use nailnoise_calibration::next::{Further, Outputs, gain};
-use nailnoise_calibration::statistics::quantile_of;
+use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
 use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::level_quantities::{LevelQuantity, Position};
 use super::quantities::{Chamber, Moment, Quantity, Spread};
 use super::tool::{Tool, shot};
 use crate::design::{Design, JointDraws, Value};
@@ -17,7 +18,8 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::result::TOTAL;
 use crate::stages::Progress;
-use crate::study::{Request, draws, levels_of};
+use crate::store::Store;
+use crate::study::{DrawsAtHand, Request, draws, levels_of};
 
 /// Pressures of the supply at which shots could be measured, as shares of the design's gauge pressure.
 const PRESSURES: [f64; 3] = [1.0, 0.75, 1.15];
@@ -110,6 +112,16 @@ const DIRECT_MINUTES: f64 = 60.0;
 const DIRECT_LENGTH: f64 = 0.1e-3;
 const DIRECT_SHARE: f64 = 0.01;
 
+/// Level of all sources at one microphone, single shots: minutes, error of a reading and of the model \[dB\].
+const LEVEL_MINUTES: f64 = 45.0;
+const LEVEL_ERROR: f64 = 0.7;
+
+/// Name of that measurement.
+const LEVEL: &str = "level at one microphone";
+
+/// Number of keys of a known study that are weighed: those with which the total correlates most.
+const KEYS_OF_STUDY: usize = 6;
+
 /// Tables of keys that a part of the tool states.
 const PARTS: [&str; 6] = ["piston.", "head_valve.", "chambers.", "exhaust.", "body.", "tool."];
 
@@ -180,6 +192,7 @@ impl Levelled<'_> {
             first: &first,
         };
         let mut found = Vec::new();
+        found.extend(level(&total).row(outputs, seed));
         progress.stage("shots that could be measured");
         let ambient = self.design.ambient.pressure;
         for share in PRESSURES {
@@ -219,23 +232,9 @@ impl Levelled<'_> {
         for variable in 0..self.tool.keys() {
             let name = self.tool.name(variable);
             let unit = self.tool.sampler.variables()[variable].unit();
-            if !PARTS.iter().any(|part| name.starts_with(part)) || !MEASURABLE.contains(&unit) {
-                continue;
-            }
-            let predictions: Vec<f64> = rows.iter().map(|&row| self.joint.rows[row][variable]).collect();
-            let scale = match unit {
-                "m" => DIRECT_LENGTH,
-                _ => DIRECT_SHARE * median(&predictions).abs(),
-            };
-            let candidate = Candidate {
-                name: name.to_owned(),
-                condition: String::new(),
-                unit: unit.to_owned(),
-                minutes: DIRECT_MINUTES,
-                predictions,
-                scale,
-            };
-            found.extend(candidate.row(outputs, seed));
+            let predictions = rows.iter().map(|&row| self.joint.rows[row][variable]).collect();
+            let candidate = of_part(name, unit, predictions);
+            found.extend(candidate.and_then(|own| own.row(outputs, seed)));
         }
         found.sort_by(|a, b| b.narrower_an_hour.total_cmp(&a.narrower_an_hour));
         Ok(found)
@@ -250,6 +249,80 @@ impl Levelled<'_> {
         };
         rows.par_iter().map(of).collect()
     }
+}
+
+/// The measurements that the draws of a known study can weigh, by what an hour of work makes narrower: the level at a
+/// microphone, and keys of parts. Empty without a study.
+///
+/// # Errors
+/// If a design cannot be digested, or a provided study does not follow its layout.
+pub fn next_of_study(store: &Store, design: &Design) -> Result<Vec<NextRow>, Error> {
+    /// Seed of the readings.
+    const SEED: u64 = 1;
+    let Some(draws) = DrawsAtHand::of(store, design)? else {
+        return Ok(Vec::new());
+    };
+    let loudest = |draw: usize| {
+        let order =
+            (0..draws.sources.len()).max_by(|&a, &b| draws.sources[a].1[draw].total_cmp(&draws.sources[b].1[draw]));
+        order.unwrap_or(0)
+    };
+    let first: Vec<usize> = (0..draws.total.len()).map(loudest).collect();
+    let outputs = Outputs {
+        output: &draws.total,
+        first: &first,
+    };
+    let mut parts: Vec<(f64, Candidate)> = draws
+        .keys
+        .iter()
+        .filter_map(|own| {
+            let candidate = of_part(&own.name, &own.unit, own.values.clone())?;
+            Some((rank_correlation(&own.values, &draws.total).abs(), candidate))
+        })
+        .collect();
+    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let parts = parts.into_iter().take(KEYS_OF_STUDY).map(|(_, own)| own);
+    let candidates: Vec<Candidate> = parts.chain([level(&draws.total)]).collect();
+    let rows = candidates.into_par_iter().filter_map(|own| own.row(outputs, SEED));
+    let mut rows: Vec<NextRow> = rows.collect();
+    rows.sort_by(|a, b| b.narrower_an_hour.total_cmp(&a.narrower_an_hour));
+    Ok(rows)
+}
+
+/// The level of all sources at one microphone: its difference from the sound power level is known to the model's error.
+fn level(total: &[f64]) -> Candidate {
+    let sound = LevelQuantity::Sound {
+        source: None,
+        position: Position::Microphone(0),
+    };
+    let shots = LEVEL_ERROR.hypot(sound.scatter()) / SHOTS.sqrt();
+    Candidate {
+        name: LEVEL.to_owned(),
+        condition: String::new(),
+        unit: "dB".to_owned(),
+        minutes: LEVEL_MINUTES,
+        predictions: total.to_vec(),
+        scale: shots.hypot(sound.discrepancy()),
+    }
+}
+
+/// A key of a part of the tool; none if it cannot be measured on the part.
+fn of_part(name: &str, unit: &str, predictions: Vec<f64>) -> Option<Candidate> {
+    if !PARTS.iter().any(|part| name.starts_with(part)) || !MEASURABLE.contains(&unit) {
+        return None;
+    }
+    let scale = match unit {
+        "m" => DIRECT_LENGTH,
+        _ => DIRECT_SHARE * median(&predictions).abs(),
+    };
+    Some(Candidate {
+        name: name.to_owned(),
+        condition: String::new(),
+        unit: unit.to_owned(),
+        minutes: DIRECT_MINUTES,
+        predictions,
+        scale,
+    })
 }
 
 /// A measurement that is weighed.

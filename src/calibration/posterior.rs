@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::conflict::{self, Conflict, Pressed, Unreached};
 use nailnoise_calibration::likelihood::Likelihood;
-use nailnoise_calibration::sampler::{Diagnostics, Particle, Sampler, Settings, State};
+use nailnoise_calibration::sampler::{Diagnostics, Sampler, Settings, State};
 use nailnoise_calibration::statistics::log_mean_exp;
 
 use super::measurements::Measurements;
@@ -56,15 +56,19 @@ pub struct Request {
     pub hold_out: Vec<String>,
     /// Treatment of conflicts.
     pub treatment: Treatment,
-    /// Number of draws whose levels are computed to find what to measure next; none if that is not asked.
-    pub next: Option<usize>,
+    /// Whether to find what to measure next.
+    pub next: bool,
+    /// Number of draws whose levels are computed, for measured levels and for what to measure next.
+    pub levels: usize,
 }
 
 /// A conflict that was found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Found {
     pub(super) datum: usize,
     pub(super) partner: Option<usize>,
+    /// For a level, the reading of the cycle that it contradicts.
+    pub(super) of_cycle: Option<usize>,
     /// Predictive probability of the reading, given the other readings; 0 if no candidate reaches it.
     pub(super) probability: f64,
     /// The nearest candidate, for a reading out of reach.
@@ -208,9 +212,7 @@ impl Calibration<'_> {
                 probability: 0.0,
                 pressed: nearest_ends(&self.tool, &likelihood, start, datum),
                 unreached: Some(unreached),
-                refusals: BTreeMap::new(),
-                gain: None,
-                factor: None,
+                ..Found::default()
             })
         });
         Ok(found.collect())
@@ -260,11 +262,11 @@ impl Calibration<'_> {
     }
 }
 
-/// Brings particles in random order: neighbours descend from the same candidates.
-fn shuffle(particles: &mut Vec<Particle>, seed: u64) {
+/// Brings draws in random order: neighbours descend from the same candidates.
+pub(super) fn shuffle<T>(particles: &mut Vec<T>, seed: u64) {
     /// Apart from the seeds of the sampler.
     const ORDER: u64 = 0x5EED_0BDE_12AD;
-    let mut keyed: Vec<(f64, Particle)> = (0..)
+    let mut keyed: Vec<(f64, T)> = (0..)
         .zip(particles.drain(..))
         .map(|(place, own)| (uniform(seed ^ ORDER, place, 0), own))
         .collect();
@@ -279,11 +281,9 @@ fn named(tool: &Tool, found: Conflict, ran: &Ran) -> Found {
         datum: found.datum,
         partner: found.partner,
         probability: found.probability,
-        unreached: None,
         pressed: conflict::at_ends(&ran.state.particles, &weights, &errors),
         refusals: ran.state.refusals.clone(),
-        gain: None,
-        factor: None,
+        ..Found::default()
     }
 }
 

@@ -103,7 +103,7 @@ pub(super) const NAMES: [&str; 9] = [
 ];
 
 /// Names of quantities that a later version may support.
-pub(super) const NOT_BUILT: [&str; 5] = ["rms_acceleration", "peak_acceleration", "mode", "loss_factor", "level"];
+pub(super) const NOT_BUILT: [&str; 2] = ["mode", "loss_factor"];
 
 /// An error of the model, or the scatter of repeats: a fraction of the measured value plus an amount in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,8 +10,13 @@ use nailnoise_quantities::{Dimension, Group, Kind, measure, quantity};
 use toml::de::DeValue;
 
 use super::error::CalibrationError;
-use super::measurements::{Condition, Correlation, Direct, InstrumentError, Measured, Measurements, Shown};
-use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, Spread, event};
+use super::fields::{MOST_SHOTS, SHOTS_OF_DEFAULT, error, named, of_given, place, spread, tables, words};
+use super::level_quantities;
+use super::level_reader::OfLevel;
+use super::measurements::{
+    Condition, Correlation, Direct, InstrumentError, Measured, MeasuredLevel, Measurements, Shown,
+};
+use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, event};
 use crate::design::{Assignment, Design, DesignError};
 
 /// Name and version of the layout.
@@ -22,9 +27,6 @@ const LARGEST: u64 = 1 << 20;
 
 /// Number of standard deviations at which the distribution of a measured key is truncated.
 const CUT: f64 = 3.0;
-
-/// Largest number of shots per measurement.
-const MOST_SHOTS: usize = 100_000;
 
 /// Keys of a measurement.
 const MEASURED: [&str; 16] = [
@@ -46,14 +48,10 @@ const MEASURED: [&str; 16] = [
     "discrepancy",
 ];
 
-/// Keys for measurements of sound, vibration and traces, which are not supported.
-const OF_NOT_BUILT: [&str; 12] = [
-    "file", "column", "align", "from", "to", "points", "sensor", "body", "hz", "mounted", "source", "band",
+/// Keys for measurements of modes and traces, which are not supported.
+const OF_NOT_BUILT: [&str; 9] = [
+    "file", "column", "align", "from", "to", "points", "body", "hz", "mounted",
 ];
-
-/// Weight of the default scatter: with n shots of sample deviation s, the variance combines n - 1 shots at s and this
-/// many at the default.
-const SHOTS_OF_DEFAULT: f64 = 4.0;
 
 /// A reader of the file for one design.
 pub(super) struct Reader<'a> {
@@ -124,19 +122,30 @@ impl Reader<'_> {
                 error = \"0.2 mm\" }; without measurements `nailnoise study` is enough";
             return Err(root.error("measured", problem, help).into());
         }
-        let data: Vec<Measured> = measured
-            .iter()
-            .map(|(name, table)| {
+        let (mut data, mut levels) = (Vec::new(), Vec::new());
+        for (name, table) in &measured {
+            let conditions = conditions.as_slice();
+            let instruments = instruments.as_slice();
+            if OfLevel::is_level(table) {
+                let at = OfLevel {
+                    table,
+                    conditions,
+                    instruments,
+                };
+                levels.push(at.measured(name, &mut notes)?);
+            } else {
                 let at = Of {
                     table,
-                    conditions: &conditions,
-                    instruments: &instruments,
+                    conditions,
+                    instruments,
                 };
-                at.measured(name, &mut notes)
-            })
-            .collect::<Result<_, KeyError>>()?;
+                data.push(at.measured(name, &mut notes)?);
+            }
+        }
         for (condition, (_, table)) in conditions.iter().zip(tables(&root, "condition", "")?) {
-            let is_read = data.iter().any(|own| conditions[own.condition].name == condition.name);
+            let of_cycle = data.iter().map(|own: &Measured| own.condition);
+            let mut read = of_cycle.chain(levels.iter().map(|own: &MeasuredLevel| own.condition));
+            let is_read = read.any(|own| conditions[own].name == condition.name);
             if !is_read && condition.outcomes.is_empty() {
                 let help = "add `outcome`, a measurement under it, or remove it";
                 return Err(table.error("", "has neither an outcome nor a measurement", help).into());
@@ -148,6 +157,7 @@ impl Reader<'_> {
             conditions,
             correlations: correlations(&root, &data)?,
             data,
+            levels,
             notes,
         })
     }
@@ -289,25 +299,6 @@ impl Reader<'_> {
     }
 }
 
-/// The tables in a group, in the order of the file.
-pub(super) fn tables<'t, 'i>(
-    root: &Keys<'t, 'i>,
-    group: &str,
-    example: &str,
-) -> Result<Vec<(String, Keys<'t, 'i>)>, KeyError> {
-    let Some(all) = root.table(group, &format!("[{group}]"))? else {
-        return Ok(Vec::new());
-    };
-    let mut found = Vec::new();
-    for key in all.keys().keys() {
-        let name = key.get_ref().to_string();
-        if let Some(table) = all.table(&name, example)? {
-            found.push((name, table));
-        }
-    }
-    Ok(found)
-}
-
 /// A value in SI units; a gauge pressure is relative to `ambient`, or is returned as shown.
 fn scalar(
     table: &Keys<'_, '_>,
@@ -322,118 +313,6 @@ fn scalar(
             Err(_) => measure(text, dimension),
         }
     })
-}
-
-/// A spread: an amount, a percentage, or both joined by a plus sign.
-pub(super) fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Spread, KeyError> {
-    let Some(value) = table.get(key) else {
-        return Ok(Spread {
-            share: 0.0,
-            amount: 0.0,
-        });
-    };
-    let help = "give an amount, percent of the value, or both, as \"1 % + 2 kPa\"";
-    let refuse = |problem: String| table.error(key, problem, help);
-    let DeValue::String(text) = value.get_ref() else {
-        let amount = table.number(key, value, |_| Err(String::new()))?;
-        return Ok(Spread { share: 0.0, amount });
-    };
-    let mut sum = Spread {
-        share: 0.0,
-        amount: 0.0,
-    };
-    for part in text.split(" + ") {
-        let (to, number) = match part.trim().strip_suffix('%') {
-            Some(percent) => (&mut sum.share, percent.trim().parse().ok().map(|own: f64| 0.01 * own)),
-            None => {
-                let amount = measure(part, dimension).map_err(|problem| refuse(format!("is \"{text}\": {problem}")))?;
-                (&mut sum.amount, Some(amount))
-            }
-        };
-        let number = number.filter(|own| *own >= 0.0 && own.is_finite());
-        *to += number.ok_or_else(|| refuse(format!("is \"{text}\", which is not a spread")))?;
-    }
-    Ok(sum)
-}
-
-/// The standard deviation of one reading: `error`, divided by `k`, or `rounding`.
-pub(super) fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError> {
-    const EXACT: &str = "no instrument is exact: give `error`, or `rounding` as half of the last digit";
-    let factor = match (table.get("error"), table.get("rounding"), table.get("k")) {
-        (Some(_), Some(_), _) => {
-            return Err(table.error("rounding", "cannot be combined with `error`", "give one of the two"));
-        }
-        (None, Some(_), Some(_)) => {
-            return Err(table.error("k", "belongs to an expanded `error`", "remove it"));
-        }
-        (None, None, _) => return Err(table.error("error", "is missing", EXACT)),
-        (Some(_), None, None) => 1.0,
-        (Some(_), None, Some(k)) => {
-            let k = table.number("k", k, |text| measure(text, NUMBER))?;
-            1.0 / table.within("k", k, [1.0, 10.0], "")?
-        }
-        // A uniform distribution within the half width.
-        (None, Some(_), None) => 1.0 / 3.0_f64.sqrt(),
-    };
-    let key = if table.get("error").is_some() {
-        "error"
-    } else {
-        "rounding"
-    };
-    let own = spread(table, key, dimension)?;
-    if own.share + own.amount <= 0.0 {
-        return Err(table.error(key, "is 0", EXACT));
-    }
-    Ok(Spread {
-        share: factor * own.share,
-        amount: factor * own.amount,
-    })
-}
-
-/// The index of the instrument named by a key.
-fn named(table: &Keys<'_, '_>, key: &str, known: &[(String, Keys<'_, '_>)]) -> Result<usize, KeyError> {
-    let name = table.text(key, "\"gauge\"")?.unwrap_or_default();
-    place(
-        table,
-        key,
-        name,
-        known.iter().map(|(own, _)| own.as_str()),
-        "instrument",
-    )
-}
-
-/// The index of a name in a list.
-fn place<'n>(
-    table: &Keys<'_, '_>,
-    key: &str,
-    name: &str,
-    known: impl Iterator<Item = &'n str> + Clone,
-    what: &str,
-) -> Result<usize, KeyError> {
-    known.clone().position(|own| own == name).ok_or_else(|| {
-        let near = nearest(known.clone(), name).map_or_else(String::new, |near| format!("is it \"{near}\"? "));
-        let all: Vec<&str> = known.collect();
-        let help = match all.is_empty() {
-            true => format!("add the {what} to [{what}]"),
-            false => format!("{near}choose from {}", all.join(", ")),
-        };
-        table.error(key, format!("is \"{name}\", which is no {what}"), help)
-    })
-}
-
-/// A text or a list of texts.
-fn words(table: &Keys<'_, '_>, key: &str, example: &str) -> Result<Vec<String>, KeyError> {
-    let Some(value) = table.get(key) else {
-        return Ok(Vec::new());
-    };
-    let list = match value.get_ref() {
-        DeValue::Array(list) => list
-            .iter()
-            .map(|own| own.get_ref().as_str().map(str::to_owned))
-            .collect(),
-        own => own.as_str().map(|text| vec![text.to_owned()]),
-    };
-    list.ok_or_else(|| table.error(key, format!("is {}", found(value.get_ref())), format!("give {example}")))
 }
 
 fn outcomes(table: &Keys<'_, '_>) -> Result<Vec<&'static str>, KeyError> {
@@ -487,7 +366,7 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
     Ok(all)
 }
 
-/// The table of a measurement.
+/// The table of a measurement of the cycle.
 struct Of<'a, 't, 'i> {
     table: &'a Keys<'t, 'i>,
     conditions: &'a [Condition],
@@ -568,9 +447,12 @@ impl Of<'_, '_, '_> {
     }
 
     fn not_built(&self, key: &str) -> KeyError {
-        let problem =
-            "belongs to a measurement of sound, vibration or a trace, with which this version cannot calibrate";
-        let help = format!("measure quantities of the cycle: {}", NAMES.join(", "));
+        let problem = "belongs to a measurement of a mode or a trace, with which this version cannot calibrate";
+        let help = format!(
+            "choose from {}, {}",
+            NAMES.join(", "),
+            level_quantities::NAMES.join(", ")
+        );
         self.table.error(key, problem, help)
     }
 
@@ -581,7 +463,8 @@ impl Of<'_, '_, '_> {
         if NOT_BUILT.contains(&name) {
             return Err(self.not_built("quantity"));
         }
-        let number = place(table, "quantity", name, NAMES.into_iter(), "quantity")?;
+        let known = NAMES.into_iter().chain(level_quantities::NAMES);
+        let number = place(table, "quantity", name, known, "quantity")?;
         let allowed: &[&str] = match NAMES[number] {
             "interval" => &["events"],
             "piston_travel" => &["at"],
@@ -659,19 +542,7 @@ impl Of<'_, '_, '_> {
         };
         let get = |key: &str| table.get(key).map(|value| read(key, value)).transpose();
         let (value, most, least) = (get("value")?, get("at_most")?, get("at_least")?);
-        let given = ["value", "values", "at_most", "at_least"];
-        let given: Vec<&str> = given.into_iter().filter(|key| table.get(key).is_some()).collect();
-        if !matches!(
-            given[..],
-            ["value"] | ["values"] | ["at_most"] | ["at_least"] | ["at_most", "at_least"]
-        ) {
-            let help = "give `value`, `values` of repeated shots, or `at_most` and `at_least`";
-            let problem = match given[..] {
-                [] => "has no value",
-                _ => "has values of several kinds",
-            };
-            return Err(table.error(given.get(1).copied().unwrap_or(""), problem, help));
-        }
+        of_given(table)?;
         let scatter = match table.get("scatter") {
             Some(_) => {
                 let typical = value.or(most).or(least).unwrap_or_default();
@@ -820,6 +691,28 @@ mod tests {
     }
 
     #[test]
+    fn accelerations_and_levels_are_decibels() {
+        let level = |measured: &str| read(&file(measured)).unwrap().levels.remove(0);
+        let own = level(
+            "m = { condition = \"a\", quantity = \"rms_acceleration\", sensor = \"block_top\", value = \"2 g\", \
+             error = \"0.1 g\", k = 2, scatter = \"0 g\", discrepancy = \"10 %\" }",
+        );
+        assert!(matches!(own.reading, Reading::Value(x) if (x - 20.0 * (2.0 * 9.80665f64).log10()).abs() < 1e-9));
+        assert!((own.error - 0.025 * 8.685_889_6).abs() < 1e-6, "{}", own.error);
+        assert!((own.discrepancy - 0.868_588_96).abs() < 1e-6);
+        let own = level(
+            "m = { condition = \"a\", quantity = \"level\", source = \"exhaust\", of = \"microphone-3\", \
+             values = [\"99 dB\", \"101 dB\"], error = \"0.7 dB\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(100.0));
+        let scatter = (4.0 * 0.25 + 2.0) / 5.0;
+        assert!((own.error - ((0.49 + scatter) / 2.0_f64).sqrt()).abs() < 1e-9);
+        assert_eq!(own.discrepancy, 1.0);
+        let own = level("m = { condition = \"a\", quantity = \"level\", at_most = \"104 dB\", error = \"1 dB\" }");
+        assert_eq!(own.reading, Reading::AtMost(104.0));
+    }
+
+    #[test]
     fn censored_readings_are_bounds() {
         let of = |bounds: &str| {
             one(&format!(
@@ -916,8 +809,59 @@ mod tests {
                 &["is not below `at_most`"],
             ),
             (
-                "m = { condition = \"a\", quantity = \"level\", value = \"100\" }".to_owned(),
+                "m = { condition = \"a\", quantity = \"loss_factor\", value = \"100\" }".to_owned(),
                 &["this version cannot calibrate"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", value = \"100\", band = \"500 Hz\" }".to_owned(),
+                &["line 8", "`measured.m.band`", "this version cannot calibrate"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", value = \"100 dB\" }".to_owned(),
+                &["`measured.m.error`", "no instrument is exact"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", value = \"100 dB\", error = \"1 %\" }".to_owned(),
+                &["`measured.m.error`", "percentage of a level", "give it in dB"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", source = \"exaust\", value = \"100 dB\", \
+                 error = \"1 dB\" }"
+                    .to_owned(),
+                &[
+                    "line 8",
+                    "`measured.m.source`",
+                    "is it \"exhaust\"?",
+                    "workpiece, exhaust, body, total",
+                ],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", of = \"microphone-10\", value = \"100 dB\", \
+                 error = \"1 dB\" }"
+                    .to_owned(),
+                &["line 8", "`measured.m.of`", "no position of a level", "microphone-9"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", value = \"9 g\", error = \"1 dB\" }".to_owned(),
+                &["`measured.m.value`", "a level in dB"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"rms_acceleration\", sensor = \"block_to\", value = \"9 g\", \
+                 error = \"5 %\" }"
+                    .to_owned(),
+                &["line 8", "`measured.m.sensor`", "is it \"block_top\"?", "table_centre"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"rms_acceleration\", sensor = \"block_top\", value = \"0 g\", \
+                 error = \"5 %\" }"
+                    .to_owned(),
+                &["`measured.m.value`", "not above 0"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"peak_acceleration\", sensor = \"block_top\", of = \"ear\", \
+                 value = \"9 g\", error = \"5 %\" }"
+                    .to_owned(),
+                &["`measured.m.of`", "does not belong to `peak_acceleration`"],
             ),
             (
                 "m = { condition = \"a\", quantity = \"mode\", body = \"block\", hz = [100] }".to_owned(),

@@ -9,13 +9,14 @@ use nailnoise_quantities::rounded;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::levels::{LevelRow, LevelWork};
 use super::measurements::Measurements;
 use super::next::NextRow;
 use super::posterior::{Found, Posterior, Request, Work};
 use super::tool::{Tool, shot};
 use crate::design::{Design, Value};
 use crate::result::DesignId;
-use crate::study::{Drawn, Variable, VariableKind};
+use crate::study::VariableKind;
 
 /// Name and version of the layout.
 const SCHEMA: &str = "nailnoise-calibrated/1";
@@ -87,6 +88,10 @@ pub struct CalibrationResult {
     pub unidentified: usize,
     /// Figures of the design's own shot.
     pub figures: Vec<FigureRow>,
+    /// Levels of the design's own shot; empty without measured levels.
+    pub levels: Vec<LevelRow>,
+    /// Work on the levels; null without measured levels.
+    pub level_work: Option<LevelWork>,
     /// What to measure next, what an hour of work makes narrowest first; empty if it was not asked.
     pub next: Vec<NextRow>,
     /// Notes for the reader.
@@ -315,22 +320,6 @@ fn interval(values: &[f64]) -> [f64; 2] {
     [0.05, 0.95].map(|p| quantile(values.iter().copied(), p))
 }
 
-/// The value of a variable at a point.
-fn value(posterior: &Posterior, variable: usize, z: &[f64]) -> f64 {
-    match posterior.tool.sampler.variables().get(variable) {
-        Some(own) => number(own, posterior.tool.point(z).shares[variable]),
-        None => z[variable],
-    }
-}
-
-fn number(variable: &Variable, share: f64) -> f64 {
-    match variable.at(share.clamp(1e-12, 1.0 - 1e-12)) {
-        Drawn::Value(Value::Number(value)) => value,
-        Drawn::Value(Value::Count(count)) => f64::from(count),
-        _ => f64::NAN,
-    }
-}
-
 /// The index of the most central draw: the one closest to the mean in the inputs that moved, each scaled by its
 /// standard deviation.
 pub(super) fn medoid(posterior: &Posterior, moved: &[usize]) -> usize {
@@ -368,7 +357,7 @@ pub(super) fn result(
     let particles = &posterior.state.particles;
     let variables = particles.first().map_or(0, |own| own.z.len());
     let values: Vec<Vec<f64>> = (0..variables)
-        .map(|k| particles.iter().map(|own| value(posterior, k, &own.z)).collect())
+        .map(|k| particles.iter().map(|own| posterior.tool.value(k, &own.z)).collect())
         .collect();
     let rows: Vec<InputRow> = (0..variables).map(|k| input(posterior, k, &values[k])).collect();
     let parts = [posterior.diagnostics.ancestors, posterior.start.accepted.len()];
@@ -435,6 +424,8 @@ pub(super) fn result(
         pairs,
         unidentified,
         figures: figures.collect(),
+        levels: Vec::new(),
+        level_work: None,
         next: Vec::new(),
         notes: notes(posterior, measured),
     };
@@ -459,7 +450,7 @@ fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
     let candidates = posterior.start.accepted.iter();
     let before = interval(
         &candidates
-            .map(|own| value(posterior, variable, &own.z))
+            .map(|own| posterior.tool.value(variable, &own.z))
             .collect::<Vec<_>>(),
     );
     let now = interval(values);

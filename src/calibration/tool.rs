@@ -13,13 +13,18 @@ use super::quantities::{Family, Quantity};
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Derived, Design, Value};
 use crate::error::Error;
-use crate::study::{Parameter, Point, Sampler, Variable, VariableKind, cycle_variables, differing_keys, drawn};
+use crate::study::{
+    Parameter, Point, Sampler, Variable, VariableKind, cycle_variables, differing_keys, drawn, value_at,
+};
 
 /// Integration tolerance of the cycles; it changes the depth of the head by less than 1 um.
 const TOLERANCE: f64 = 1e-5;
 
 /// Sampling interval \[s\].
 const SAMPLES: f64 = 5e-5;
+
+/// Length of a record of which nothing is read \[s\].
+const SHORTEST: f64 = 1e-3;
 
 /// Shots under one condition.
 pub(super) struct Shots {
@@ -140,6 +145,15 @@ impl Tool {
         }
     }
 
+    /// The value of a variable at a point; a shared error is in standard deviations.
+    pub(super) fn value(&self, variable: usize, z: &[f64]) -> f64 {
+        let Some(own) = self.sampler.variables().get(variable) else {
+            return z[variable];
+        };
+        let share = self.point(z).shares[variable];
+        value_at(own, share.clamp(1e-12, 1.0 - 1e-12)).unwrap_or(f64::NAN)
+    }
+
     /// The values of the keys in the form used by the study.
     pub(super) fn point(&self, z: &[f64]) -> Point {
         self.sampler.of_normal(&z[..self.keys()])
@@ -226,8 +240,10 @@ impl Simulator for Tool {
 /// Length of the record needed for these quantities \[s\].
 fn end(design: &Design, quantities: &[Quantity], has_outcome: bool) -> f64 {
     let of_design = design.analysis.cycle_end;
+    // Only levels are measured under a condition without both; its cycle is then of no use here.
     let ends = quantities.iter().map(|own| own.end(of_design));
-    ends.chain(has_outcome.then_some(of_design)).fold(0.0, f64::max)
+    let ends = ends.chain(has_outcome.then_some(of_design));
+    ends.reduce(f64::max).unwrap_or(SHORTEST)
 }
 
 /// The value of a key that is a quantity.

@@ -180,7 +180,8 @@ fn calibrated(design: &Design, text: &str, store: &Store, seed: u64) -> Calibrat
         seed,
         hold_out: Vec::new(),
         treatment: Treatment::LeaveOut,
-        next: None,
+        next: false,
+        levels: 128,
     };
     let tool = Tool::new(design, &measured, seed).unwrap();
     let calibration = Calibration {

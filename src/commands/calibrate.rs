@@ -10,7 +10,7 @@ use super::table::{table, texts};
 use super::{Keeping, Options, Status, given_or_named, message, print, print_json, progress, structures};
 use crate::atomic_write::AtomicWrite;
 use crate::calibration::{
-    self, CalibrationResult, ConflictRow, NOT_CONVERGED, NextRow, Request, StructuresRequest, Treatment,
+    self, CalibrationResult, ConflictRow, LevelRow, NOT_CONVERGED, NextRow, Request, StructuresRequest, Treatment,
     calibrate_structures,
 };
 use crate::error::Error;
@@ -68,7 +68,7 @@ pub(super) struct Arguments {
     /// Rank further measurements by how much an hour of work on each narrows the levels; needs no measurements
     #[arg(long)]
     next: bool,
-    /// Number of draws whose levels are computed for --next
+    /// Number of draws whose levels are computed, for measured levels and for --next
     #[arg(long, value_name = "K", default_value_t = 128, value_parser = clap::value_parser!(u32).range(8..=4096))]
     levels: u32,
     /// Keep candidates and draws in this folder, and not in the cache
@@ -151,7 +151,8 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
         seed: arguments.seed,
         hold_out: arguments.hold_out.clone(),
         treatment: arguments.conflict,
-        next: arguments.next.then_some(arguments.levels as usize),
+        next: arguments.next,
+        levels: arguments.levels as usize,
     };
     let progress = progress();
     let set = &options.changes.set;
@@ -299,9 +300,55 @@ fn text(result: &CalibrationResult) -> String {
         })
         .collect();
     text.push_str(&table(&["the shot of the design", "before, P50 (90 %)", "now"], &rows));
+    text.push_str(&levels(result));
     text.push_str(&next(&result.next));
     for note in &result.notes {
         text.push_str(&format!("  - {note}\n"));
+    }
+    text
+}
+
+/// Levels of the design's own shot.
+fn levels(result: &CalibrationResult) -> String {
+    let Some(work) = result.level_work else {
+        return String::new();
+    };
+    let words = |[low, middle, high]: [f64; 3]| format!("{middle:.1} ({low:.1} .. {high:.1})");
+    let first = |own: &LevelRow, place: usize| own.first.map_or_else(String::new, |own| format!("{:.2}", own[place]));
+    let rows: Vec<Vec<String>> = result
+        .levels
+        .iter()
+        .map(|own| {
+            vec![
+                own.output.clone(),
+                own.ranges.map_or_else(|| "-".to_owned(), words),
+                words(own.before),
+                first(own, 0),
+                words(own.now),
+                first(own, 1),
+            ]
+        })
+        .collect();
+    let headings = [
+        "L_WA,1s dB, P50 (90 %)",
+        "study of the ranges",
+        "without levels",
+        "P(first)",
+        "now",
+        "P(first)",
+    ];
+    let mut text = format!("\n{}", texts(&headings, &rows));
+    if let Some(total) = result.levels.last() {
+        let width = |[low, _, high]: [f64; 3]| high - low;
+        let of_ranges = total.ranges.map_or_else(String::new, |own| {
+            format!(", {:.2} of that of the ranges", width(total.now) / width(own))
+        });
+        text.push_str(&format!(
+            "  the interval of the total is {:.1} dB wide{of_ranges}; {:.0} effective shots of {}\n",
+            width(total.now),
+            work.effective,
+            work.shots
+        ));
     }
     text
 }

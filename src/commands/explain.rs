@@ -7,9 +7,11 @@ use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
 use super::effects::{Effect, Effects, ToMeasure};
+use super::next_lines::next_lines;
 use super::table::{table, texts};
 use super::{Status, bodies::modal_cost};
 use super::{outside_table, print, print_json, progress, red};
+use crate::calibration::{NextRow, next_of_study};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
 use crate::design::inputs::bodies as inputs;
@@ -57,6 +59,8 @@ struct Explanation {
     effects: Effects,
     /// Inputs to measure, in descending order of effect.
     measure_first: Vec<ToMeasure>,
+    /// What to measure next by the draws of the design's study, what an hour makes narrowest first; empty without one.
+    measure_next: Vec<NextRow>,
     /// Estimates with their ranges, widest first, excluding those not used by this design.
     estimates: Vec<Estimate>,
     /// Estimates, and values without a source, that have no range: their uncertainty is unknown. Those not used by this
@@ -210,6 +214,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         headline,
         outside: design.outside_values(),
         measure_first: effects.to_measure(design),
+        measure_next: next_of_study(graph.store(), design)?,
         effects,
         design: design.name().to_owned(),
         digest: design.digest(),
@@ -304,6 +309,7 @@ fn text(e: &Explanation) -> String {
         outside(e),
         effects(e),
         to_measure(e),
+        next(e),
         costs(e),
     ]
     .concat()
@@ -442,6 +448,13 @@ fn to_measure(e: &Explanation) -> String {
         "how",
     ];
     format!("\nwhat to measure first\n\n{}", texts(&headings, &rows))
+}
+
+fn next(e: &Explanation) -> String {
+    match next_lines(&e.measure_next) {
+        lines if lines.is_empty() => lines,
+        lines => format!("\n{lines}"),
+    }
 }
 
 fn costs(e: &Explanation) -> String {

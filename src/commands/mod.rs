@@ -35,6 +35,7 @@ mod measure;
 mod mesh;
 mod migrate;
 mod modes;
+mod next_lines;
 mod optimise;
 mod penetration;
 mod progress;

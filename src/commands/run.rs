@@ -4,15 +4,19 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::next_lines::next_lines;
 use super::{Common, Keeping, message, print, progress, status_of, table};
 use super::{Status, progress::noted};
 use crate::artifacts::{Delivered, Delivery, PrintedResult};
+use crate::calibration::next_of_study;
 use crate::chain::{Chain, Options};
 use crate::declaration;
+use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
 use crate::result::{Check, Coupling, RankedSource, RunResult};
+use crate::store::Store;
 use crate::tables::{dash, fixed, run as tables};
 use crate::wording::{order, readable};
 
@@ -85,6 +89,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         if unchanged {
             print("  unchanged design: result from the cache\n")?;
         }
+        print(&next(&cache, &design))?;
         print(&format!(
             "\n  files in {}; open report.html for the report\n",
             folder.display()
@@ -116,6 +121,16 @@ pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check
         checks.extend(fields.checks.iter().cloned());
     }
     Ok((delivered, checks))
+}
+
+/// What to measure next, by the draws of the study of the design; empty without one. A study that cannot be read has
+/// been named before.
+fn next(store: &Store, design: &Design) -> String {
+    let rows = next_of_study(store, design).unwrap_or_default();
+    match next_lines(&rows) {
+        lines if lines.is_empty() => lines,
+        lines => format!("\n{lines}"),
+    }
 }
 
 /// Formats a result for standard output.

@@ -5,7 +5,8 @@
 //! draws = "calibrated.draws" # beside the file of the design
 //! ```
 //!
-//! The file is JSON. A row gives a value to each of its keys, in SI units; rows are in random order.
+//! The file is JSON. A row gives a value to each of its keys, in SI units; rows are in random order. Draws that are
+//! conditioned on levels also give `method.SOURCE`, the place of the method's error between its bounds, 0 .. 1.
 
 use std::path::Path;
 
@@ -27,7 +28,7 @@ pub struct JointDraws {
     schema: String,
     /// The file of measurements on which they are conditioned.
     pub measured: String,
-    /// Digest of the code of the cycle with which they were conditioned.
+    /// Digests of the code of the cycle, and of the levels, with which they were conditioned.
     pub code: String,
     /// Names of the keys.
     pub names: Vec<String>,

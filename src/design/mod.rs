@@ -331,6 +331,13 @@ impl Design {
         design
     }
 
+    /// The design with these outcomes as those of shots that count; all count if there are none.
+    pub(crate) fn with_required(&self, outcomes: &[&'static str]) -> Self {
+        let mut design = self.clone();
+        design.study.require = outcomes.to_vec();
+        design
+    }
+
     /// Texts in the head of the report, apart from the design. No result depends on it.
     pub fn report(&self) -> &ReportSettings {
         &self.report

@@ -33,6 +33,9 @@ pub(super) fn page(result: &CalibrationResult, charts: &[Chart]) -> Page {
         ));
     }
     sections.push(Section::new("shot", "The shot of the design", figures(result)));
+    if !result.levels.is_empty() {
+        sections.push(Section::new("levels", "Levels", levels(result)));
+    }
     if !result.next.is_empty() {
         sections.push(Section::new("next", "What to measure next", next(result)));
     }
@@ -158,6 +161,26 @@ fn figures(result: &CalibrationResult) -> Markup {
                 }
             } } }
         } }
+    }
+}
+
+fn levels(result: &CalibrationResult) -> Markup {
+    let words = |[low, middle, high]: [f64; 3]| format!("{middle:.1} ({low:.1} .. {high:.1})");
+    let first = |own: Option<[f64; 2]>, place: usize| own.map_or_else(String::new, |own| format!("{:.2}", own[place]));
+    html! {
+        div.scroll { table {
+            thead { tr { th { "source" } th.n { "study of the ranges, dB" } th.n { "without levels, dB" }
+                th.n { "P(first)" } th.n { "now, dB" } th.n { "P(first)" } } }
+            tbody { @for own in &result.levels { tr {
+                td { (own.output) } td.n { (own.ranges.map_or_else(|| "\u{2013}".to_owned(), words)) }
+                td.n { (words(own.before)) } td.n { (first(own.first, 0)) }
+                td.n { b { (words(own.now)) } } td.n { (first(own.first, 1)) }
+            } } }
+        } }
+        p.quiet { "L_WA,1s of a shot of the design, re 1 pW s: P50 and 90 %."
+            @if let Some(work) = result.level_work { " " (work.shots) " shots with " (work.errors)
+                " errors of the methods each; weighted by the levels, they count as "
+                (format!("{:.0}", work.effective)) " shots." } }
     }
 }
 

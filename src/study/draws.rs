@@ -24,9 +24,10 @@ use crate::chain::{Chain, Options, SharedShapes, engine};
 use crate::design::{Coupling, Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::levels::Levels;
+use crate::model::sources::ALL;
+use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::outcomes::{ShotFigures, ShotOutcome};
-use crate::stages::{Progress, code};
+use crate::stages::{Progress, Stage, code};
 use crate::store::Key;
 use crate::study::StudyError;
 use crate::wording::hexadecimal;
@@ -226,21 +227,12 @@ pub(super) fn levels(
                 shared: shared[which],
                 ..Options::default()
             };
-            let (design, point) = (&designs[which], &group[place].candidate.point);
-            let own = design_of(design, sampler, point)?;
-            match held_bodies(sampler, point) {
-                None => Chain::new(graph, &own, options),
-                Some(held) => {
-                    let mut bodies = design.clone();
-                    bodies
-                        .set(&sampler.changes(&held))
-                        .map_err(|error| StudyError::NoDesign {
-                            reason: error.to_string(),
-                        })?;
-                    bodies.draw_law(drawn_scores(sampler.variables(), &point.shares));
-                    Chain::with_engine(graph, &bodies, engine(&own)?, options)
-                }
-            }
+            chain_of(
+                graph,
+                (&designs[which], sampler),
+                &group[place].candidate.point,
+                options,
+            )
         };
         // Keep the stages of the structures while their draws come and go.
         let anchors: Vec<_> = (0..designs.len()).map(|which| of(0, which)).collect();
@@ -261,7 +253,7 @@ pub(super) fn levels(
                 (Ok(levels), ShotOutcome::Shot(shot)) => Ok(Draw {
                     structure: planned.structure,
                     candidate: candidate.index,
-                    method_db: method_errors(sampler.variables(), &candidate.point, levels),
+                    method_db: method_errors(sampler.variables(), &candidate.point.shares, levels),
                     shares: candidate.point.shares.clone(),
                     shot: shot.clone(),
                     levels: levels.clone(),
@@ -280,9 +272,64 @@ pub(super) fn levels(
     Ok((draws, failures))
 }
 
+/// The chain of a point. Joint draws give their dimensions of bodies to the cycle alone.
+fn chain_of(
+    graph: &Graph,
+    (design, sampler): (&Design, &Sampler),
+    point: &Point,
+    options: Options,
+) -> Result<Chain, Error> {
+    let own = design_of(design, sampler, point)?;
+    let Some(held) = held_bodies(sampler, point) else {
+        return Chain::new(graph, &own, options);
+    };
+    let mut bodies = design.clone();
+    bodies
+        .set(&sampler.changes(&held))
+        .map_err(|error| StudyError::NoDesign {
+            reason: error.to_string(),
+        })?;
+    bodies.draw_law(drawn_scores(sampler.variables(), &point.shares));
+    Chain::with_engine(graph, &bodies, engine(&own)?, options)
+}
+
+/// Further outputs of the shots of a design's draws, whose bodies are fixed, each shot on a separate thread. `common`
+/// is the first of the designs with these draws; the design may have sensors.
+pub(crate) fn outputs_of_draws<T: Send>(
+    graph: &Graph,
+    (common, design): (&Design, &Design),
+    made: &Draws,
+    progress: &Progress,
+    of: impl Fn(&Chain) -> Result<T, Error> + Sync,
+) -> Vec<Result<T, Error>> {
+    let sampler = Sampler::new(&without_sensors(common), made.variables.clone(), 0);
+    let done = AtomicUsize::new(0);
+    on_threads(made.draws.len(), |draw| {
+        let point = Point {
+            shares: made.draws[draw].shares.clone(),
+        };
+        let chain = chain_of(graph, (design, &sampler), &point, Options::default());
+        let found = chain.and_then(|chain| of(&chain));
+        progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, made.draws.len() as u64);
+        found
+    })
+}
+
 /// Digest of the code by which joint draws are conditioned: they belong to the cycle that they were made with.
 pub(crate) fn code_of_joint_draws() -> String {
     hexadecimal(&Key::empty().with(&code![dynamics]).digest())
+}
+
+/// Digest of the code that determines levels of draws.
+pub(super) fn code_of_levels() -> String {
+    let levels = Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE);
+    let key = ALL.into_iter().fold(levels, |key, source| key.with(&source.code()));
+    hexadecimal(&key.digest())
+}
+
+/// The same for joint draws that are conditioned on levels, too.
+pub(crate) fn code_of_levelled_draws() -> String {
+    format!("{} {}", code_of_joint_draws(), code_of_levels())
 }
 
 /// Whether designs can be drawn by joint draws.
@@ -291,9 +338,9 @@ fn check_joint(designs: &[&Design], request: &Request) -> Result<(), Error> {
     let mut all = designs.iter().filter_map(joint);
     let Some(first) = all.next() else { return Ok(()) };
     let refuse = |problem: &'static str, help: &'static str| Err(StudyError::JointDraws { problem, help }.into());
-    if first.code != code_of_joint_draws() {
+    if ![code_of_joint_draws(), code_of_levelled_draws()].contains(&first.code) {
         return refuse(
-            "were made by other code of the nailing cycle",
+            "were made by other code of the nailing cycle or of the levels",
             "calibrate the design again: `nailnoise calibrate`",
         );
     }
@@ -351,9 +398,9 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
 }
 
 /// The error of each source's method in a draw \[dB\]; an open end counts as 0 dB.
-pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> Vec<f64> {
+pub(crate) fn method_errors(variables: &[Variable], shares: &[f64], levels: &Levels) -> Vec<f64> {
     let mut errors = vec![0.0; levels.sources.len()];
-    for (variable, share) in variables.iter().zip(&point.shares).filter(|(_, share)| !share.is_nan()) {
+    for (variable, share) in variables.iter().zip(shares).filter(|(_, share)| !share.is_nan()) {
         let VariableKind::Method(bounds) = &variable.kind else {
             continue;
         };

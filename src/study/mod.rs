@@ -4,6 +4,7 @@
 //! those that count, [`draws`] computes their levels, and [`StudyResult`] contains the results. [`shots`] draws only
 //! for the cycle.
 
+mod at_hand;
 mod condition;
 mod contributions;
 mod correlation_ratio;
@@ -42,11 +43,12 @@ mod weighted;
 
 use nailnoise_calibration::normal;
 
+pub use at_hand::{DrawnKey, DrawsAtHand};
 pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
 pub use draw_table::DrawTable;
-pub(crate) use draws::code_of_joint_draws;
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
+pub(crate) use draws::{code_of_joint_draws, code_of_levelled_draws, method_errors, outputs_of_draws};
 pub use error::StudyError;
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};
 pub(crate) use jobs::{levels_of_shot, on_threads};

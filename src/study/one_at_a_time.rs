@@ -126,7 +126,7 @@ pub fn one_at_a_time(
         let value = number(variable.drawn(SHARES[job % 2]));
         match &results[job] {
             Ok(levels) => {
-                let own = outputs(levels, &method_errors(&made.variables, &point(job), levels));
+                let own = outputs(levels, &method_errors(&made.variables, &point(job).shares, levels));
                 let change = |(own, base): (Option<f64>, &Option<f64>)| Some(own? - (*base)?);
                 InputEnd {
                     value,

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value};
 
 use super::draw_table::DrawTable;
-use super::draws::Draws;
+use super::draws::{Draws, code_of_levels};
 use super::population::{Difference, Population};
 use super::result::StudyResult;
-use super::study_store::{Found, code};
+use super::study_store::Found;
 use crate::design::{Design, renames};
 use crate::error::Error;
 use crate::shipped;
@@ -81,7 +81,7 @@ impl ProvidedStudy {
             design: path.to_owned(),
             command: command.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            code: code(),
+            code: code_of_levels(),
             repeated: None,
             population: Population::of(design, result)?,
             result: brief(result),
@@ -163,7 +163,7 @@ impl ProvidedStudy {
         }
         self.population = population;
         self.result.design = few.design.clone();
-        code().clone_into(&mut self.code);
+        code_of_levels().clone_into(&mut self.code);
         env!("CARGO_PKG_VERSION").clone_into(&mut self.version);
         self.repeated = Some(repeated.len());
         Ok(Some(self))
@@ -171,7 +171,7 @@ impl ProvidedStudy {
 
     /// Whether the code that computes levels is the current one.
     pub fn is_of_this_code(&self) -> bool {
-        self.code == code()
+        self.code == code_of_levels()
     }
 
     /// The study of each shipped design, if there is one.

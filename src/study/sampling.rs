@@ -346,7 +346,8 @@ fn joint_shares(draws: &JointDraws, variables: &[Variable]) -> Vec<Vec<f64>> {
         let share = match &variable.kind {
             VariableKind::Quantity(parameter) => parameter.share_below(value),
             VariableKind::LawScore => normal::cumulative(value),
-            VariableKind::Alternatives(_) | VariableKind::Method(_) => return None,
+            VariableKind::Method(_) => value,
+            VariableKind::Alternatives(_) => return None,
         };
         Some(share.clamp(HALF_STEP, 1.0 - HALF_STEP))
     };

@@ -5,19 +5,16 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::draw_table::DrawTable;
-use super::draws::Draws;
+use super::draws::{Draws, code_of_levels};
 use super::population::{Difference, Population};
 use super::result::StudyResult;
 use super::weighted::reweighted;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::program_key;
-use crate::model::sources::ALL;
 use crate::result::Weighting;
-use crate::stages::levels::ShotLevels;
-use crate::stages::{Digest, Postcard, Stage};
-use crate::store::{Key, Store};
-use crate::wording::hexadecimal;
+use crate::stages::{Digest, Postcard};
+use crate::store::Store;
 
 /// Its name in the store.
 const STUDY: &str = "study";
@@ -45,6 +42,8 @@ pub struct Found {
     pub weighting: Option<Weighting>,
     /// Falls of the total where one source is silent, as in `DrawTable::silencing`; empty for weighted draws.
     pub silencing: BTreeMap<String, [f64; 2]>,
+    /// Its draws; empty for weighted ones.
+    pub draws: DrawTable,
 }
 
 impl Found {
@@ -64,11 +63,13 @@ impl Found {
                 result: result.clone(),
                 weighting: None,
                 silencing: draws.silencing(),
+                draws: draws.clone(),
             }),
             Difference::Distributions(pairs) => reweighted(result, draws, &pairs).map(|(result, weighting)| Self {
                 result,
                 weighting: Some(weighting),
                 silencing: BTreeMap::new(),
+                draws: DrawTable::default(),
             }),
         })
     }
@@ -80,15 +81,8 @@ impl Found {
     }
 }
 
-/// Digest of the code that determines levels of draws.
-pub(super) fn code() -> String {
-    let levels = Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE);
-    let key = ALL.into_iter().fold(levels, |key, source| key.with(&source.code()));
-    hexadecimal(&key.digest())
-}
-
 fn all(store: &Store) -> (Digest, Vec<StoredStudy>) {
-    let key = program_key().with(&LAYOUT).with(&code()).digest();
+    let key = program_key().with(&LAYOUT).with(&code_of_levels()).digest();
     let stored = store
         .load::<Vec<StoredStudy>, Postcard>(STUDY, &key)
         .unwrap_or_default();

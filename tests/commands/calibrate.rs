@@ -224,3 +224,106 @@ fn a_study_of_the_calibrated_design_draws_the_rows_of_the_posterior() {
         "{missing}"
     );
 }
+
+/// A file of measured levels under the values of the design.
+fn levels(measured: &str) -> String {
+    format!("schema = \"nailnoise-calibration/1\"\n[condition]\nown = {{}}\n[measured]\n{measured}\n")
+}
+
+/// The row of the total in a result, and the width of an interval of it.
+fn total(result: &Value) -> (&Value, impl Fn(&str) -> f64) {
+    let rows = result["levels"].as_array().unwrap();
+    let row = rows.iter().find(|own| own["output"] == "total").unwrap();
+    let end = move |key: &str, place: usize| row[key][place].as_f64().unwrap();
+    (row, move |key| end(key, 2) - end(key, 0))
+}
+
+#[test]
+fn measured_levels_narrow_the_total_around_the_truth_unless_they_contradict_each_other() {
+    let (folder, design) = made("levels", "");
+    let truth = command(&["run", &design, "--json", "--out", "truth"])
+        .current_dir(&folder)
+        .env("NAILNOISE_CACHE", folder.join("cache"))
+        .output()
+        .unwrap();
+    let truth = json(&truth);
+    let number = |value: &Value| value.as_f64().unwrap();
+    let at_microphone = number(&truth["microphones"]["total"]["levels"][2]["lae_db"]);
+    let sensor = &truth["sensors"].as_array().unwrap()[0];
+    let sound = format!(
+        "sound = {{ condition = \"own\", quantity = \"level\", of = \"microphone-3\", value = \"{at_microphone} dB\", \
+         error = \"0.7 dB\", shots = 5 }}\n"
+    );
+    let vibration = format!(
+        "table = {{ condition = \"own\", quantity = \"rms_acceleration\", sensor = {}, value = \"{} g\", \
+         error = \"5 %\", shots = 5 }}\n",
+        sensor["name"],
+        number(&sensor["rms_g"])
+    );
+    let made = |measured: &str, arguments: &[&str]| {
+        fs::write(folder.join("shots.toml"), levels(measured)).unwrap();
+        let arguments = [&["--draws", "64", "--levels", "64"], arguments].concat();
+        let output = calibrate(&folder, &design, &arguments);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let status = output.status.code().unwrap();
+        assert!(matches!(status, 0 | 1 | 3), "{text}\n{}", messages(&output));
+        (result(&folder), text, status)
+    };
+
+    let (narrow, text, _) = made(&format!("{sound}{vibration}"), &[]);
+    let (row, width) = total(&narrow);
+    assert!(width("now") < 0.6 * width("before"), "{text}");
+    let own = number(&truth["total"]["lwa_db"]);
+    assert!(
+        number(&row["now"][0]) < own && own < number(&row["now"][2]),
+        "{own} {row}"
+    );
+    let work = &narrow["level_work"];
+    let effective = number(&work["effective"]);
+    assert!(effective > 4.0 && effective < number(&work["shots"]), "{work}");
+    assert_eq!(
+        narrow["converged"] == true,
+        effective >= 32.0,
+        "{work} {}",
+        narrow["faults"]
+    );
+    assert!(
+        text.contains(&format!("{effective:.0} effective shots of 64")),
+        "{text}"
+    );
+    assert_eq!(measurement_outcomes(&narrow), [(true, "met"), (true, "met")], "{text}");
+
+    let joint = fs::read(folder.join("out/calibration/calibrated.draws")).unwrap();
+    let joint: Value = serde_json::from_slice(&joint).unwrap();
+    let names = joint["names"].as_array().unwrap();
+    let method = names.iter().position(|own| own == "method.workpiece").unwrap();
+    let rows = joint["rows"].as_array().unwrap();
+    assert!(rows.iter().all(|row| (0.0..1.0).contains(&number(&row[method]))) && rows.len() == 64);
+
+    let (held_out, text, _) = made(&format!("{sound}{vibration}"), &["--hold-out", "sound"]);
+    assert_eq!(
+        measurement_outcomes(&held_out),
+        [(false, "predicted"), (true, "met")],
+        "{text}"
+    );
+    assert!(total(&held_out).1("now") > total(&narrow).1("now"), "{text}");
+
+    // Two levels of the same quantity that differ by 12 dB.
+    let power = |name: &str, level: f64| {
+        format!(
+            "{name} = {{ condition = \"own\", quantity = \"level\", value = \"{level} dB\", error = \"0.5 dB\", \
+             shots = 5 }}\n"
+        )
+    };
+    let (contrary, text, status) = made(&[power("quiet", own - 6.0), power("loud", own + 6.0)].concat(), &[]);
+    assert_eq!(status, 1, "{text}");
+    let outcomes = measurement_outcomes(&contrary);
+    assert!(
+        outcomes.iter().all(|(counts, verdict)| !counts && *verdict != "met"),
+        "{outcomes:?}"
+    );
+    // Nothing is sharpened through the conflict.
+    let (row, _) = total(&contrary);
+    assert_eq!(row["now"], row["before"], "{text}");
+    assert!(text.contains("left out of all intervals"), "{text}");
+}

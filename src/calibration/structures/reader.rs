@@ -6,7 +6,7 @@ use nailnoise_quantities::{Dimension, measure, range};
 use toml::de::DeValue;
 
 use super::super::error::CalibrationError;
-use super::super::reader::{error, spread, tables};
+use super::super::fields::{error, spread, tables};
 use super::tap_test::{
     AIR_SHARE, E_L, E_R, G_LR, G_LT, G_RT, INPUTS, Input, LENGTH as ALONG, Law, MASS, NU_LR, THICKNESS, TapTest, WIDTH,
 };

@@ -35,6 +35,11 @@ pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
     all
 }
 
+/// Area of the measurement surface \[m2\].
+pub(crate) fn area(design: &Design) -> f64 {
+    Iso3744Box::around(centre_height(design)).area()
+}
+
 /// The operator's ear \[m\].
 fn ear(design: &Design) -> [f64; 3] {
     let acoustics = &design.acoustics;
