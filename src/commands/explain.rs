@@ -7,9 +7,9 @@ use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
 use super::effects::{Effect, Effects, ToMeasure};
-use super::table::{table, texts};
-use super::{Status, bodies::modal_cost};
-use super::{outside_table, print, print_json, progress, red};
+use super::table::{table, words};
+use super::{Shown, Status, bodies::modal_cost};
+use super::{outside_table, print_json, progress, red};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
 use crate::design::inputs::bodies as inputs;
@@ -19,10 +19,12 @@ use crate::design::{Design, Entry, OutsideValue, Provenance};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{Headline, headline, sentence};
+use crate::result::pressures;
 use crate::stages::bodies::{BodyKind, MeshSource};
 use crate::stages::radiation::{WorkpieceRadiation, describe_gap};
 use crate::store::Store;
 use crate::study::{in_force, variables};
+use crate::units::Units;
 
 /// Number of inputs in the table of effects.
 const LISTED: usize = 12;
@@ -49,6 +51,9 @@ struct Explanation {
     runs: bool,
     /// How the shot ends, if the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
+    /// Supply pressure in words; without a place in JSON, which has its value among the inputs of a run.
+    #[serde(skip)]
+    supply: String,
     /// The shot; null if it cannot be computed.
     shot: Option<ShotSummary>,
     /// Values outside the ranges for such tools or for the design.
@@ -113,6 +118,8 @@ pub(super) struct Asked {
     pub(super) json: bool,
     /// Whether to compute the effects of all inputs on the total.
     pub(super) effects: bool,
+    /// Units of the text.
+    pub(super) shown: Shown,
 }
 
 pub(super) fn execute(design: &Design, asked: &Asked) -> Result<Status, Error> {
@@ -124,7 +131,7 @@ pub(super) fn execute(design: &Design, asked: &Asked) -> Result<Status, Error> {
     if asked.json {
         print_json(&explanation)?;
     } else {
-        print(&text(&explanation))?;
+        asked.shown.print(&text(&explanation, asked.shown.units))?;
     }
     Ok(Status::from(if explanation.runs { 0 } else { 2 }))
 }
@@ -208,6 +215,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         schema: "nailnoise-check-design/1",
         runs,
         headline,
+        supply: pressures(design.supply.pressure, design.ambient.pressure),
         outside: design.outside_values(),
         measure_first: effects.to_measure(design),
         effects,
@@ -296,14 +304,14 @@ fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
         .collect())
 }
 
-fn text(e: &Explanation) -> String {
+fn text(e: &Explanation, units: Units) -> String {
     [
         can_it_run(e),
         does_it_drive(e),
         missing(e),
-        outside(e),
-        effects(e),
-        to_measure(e),
+        outside(e, units),
+        effects(e, units),
+        to_measure(e, units),
         costs(e),
     ]
     .concat()
@@ -348,7 +356,11 @@ fn does_it_drive(e: &Explanation) -> String {
     };
     let speed = shot.mean_drive_speed;
     let speed = speed.map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, "));
-    let figures = format!("  {speed}{:.2} g of air through the exhaust\n", 1e3 * shot.exhaust_mass);
+    let figures = format!(
+        "  {speed}{:.2} g of air through the exhaust, supply {}\n",
+        1e3 * shot.exhaust_mass,
+        e.supply
+    );
     match &e.headline {
         None => format!("\ndoes it drive: yes, {}\n{figures}", shot.text),
         Some(headline) => {
@@ -382,18 +394,18 @@ fn missing(e: &Explanation) -> String {
     text
 }
 
-fn outside(e: &Explanation) -> String {
+fn outside(e: &Explanation, units: Units) -> String {
     match e.outside.as_slice() {
         [] => "\nvalues outside plausible ranges: none\n".to_owned(),
         values => format!(
             "\nvalues outside plausible ranges: {}\n\n{}",
             values.len(),
-            outside_table(values)
+            outside_table(values, units)
         ),
     }
 }
 
-fn effects(e: &Explanation) -> String {
+fn effects(e: &Explanation, units: Units) -> String {
     let own = &e.effects;
     let row = |input: &Effect| {
         vec![
@@ -407,7 +419,11 @@ fn effects(e: &Explanation) -> String {
     let rows: Vec<Vec<String>> = notable.iter().take(LISTED).map(|input| row(input)).collect();
     let mut text = format!("\ninputs by their effect: {}\n\n", own.basis);
     let unit = own.unit;
-    text.push_str(&texts(&["input", &format!("effect {unit}"), "value", "range"], &rows));
+    text.push_str(&words(
+        &["input", &format!("effect {unit}"), "value", "range"],
+        &rows,
+        units,
+    ));
     match notable.len().saturating_sub(LISTED) {
         0 => {}
         more => text.push_str(&format!("  and {more} more; --json lists all\n")),
@@ -415,7 +431,7 @@ fn effects(e: &Explanation) -> String {
     text
 }
 
-fn to_measure(e: &Explanation) -> String {
+fn to_measure(e: &Explanation, units: Units) -> String {
     let unit = e.effects.unit;
     let row = |own: &ToMeasure| {
         let measurement = &own.measurement;
@@ -441,7 +457,7 @@ fn to_measure(e: &Explanation) -> String {
         "accuracy",
         "how",
     ];
-    format!("\nwhat to measure first\n\n{}", texts(&headings, &rows))
+    format!("\nwhat to measure first\n\n{}", words(&headings, &rows, units))
 }
 
 fn costs(e: &Explanation) -> String {

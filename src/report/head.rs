@@ -8,7 +8,7 @@ use super::tables;
 use super::typography::{capitalised, with_code, with_subscripts};
 use crate::design::{Design, Value};
 use crate::model::supports;
-use crate::result::{Ends, RankedSource, RunResult, StudySummary};
+use crate::result::{Ends, RankedSource, RunResult, StudySummary, pressures};
 use crate::stages::headline::Headline;
 use crate::study::legend;
 use crate::tables::run::without;
@@ -176,7 +176,7 @@ fn given(design: &Design) -> Markup {
         ("tool", design.name().to_owned()),
         (
             "supply pressure",
-            format!("{:.0} kPa, {:.0} psi gauge", 1e-3 * supply, (supply - ambient) / PSI),
+            format!("{}, {:.0} psig", pressures(supply, ambient), (supply - ambient) / PSI),
         ),
         ("nail", nail),
         ("wood, block", wood),
