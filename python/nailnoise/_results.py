@@ -414,7 +414,7 @@ def _failed(end: Any) -> str:
 
 def _number(value: str) -> tuple[float, str] | None:
     """The number and the unit of a value; None for a word."""
-    found = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?) *([^0-9].*)?", value.strip())
+    found = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?) *([^0-9 ][^ ]*)?", value.strip())
     return (float(found[1]), found[2] or "") if found else None
 
 

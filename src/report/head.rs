@@ -13,9 +13,6 @@ use crate::stages::headline::Headline;
 use crate::study::legend;
 use crate::tables::run::without;
 
-/// Pressure of 1 psi \[Pa\].
-const PSI: f64 = 6894.757;
-
 /// The heading: the title given by the design, or its name.
 pub(super) fn heading(design: &Design) -> String {
     match design.report().title.as_str() {
@@ -174,10 +171,7 @@ fn given(design: &Design) -> Markup {
     );
     let facts = [
         ("tool", design.name().to_owned()),
-        (
-            "supply pressure",
-            format!("{}, {:.0} psig", pressures(supply, ambient), (supply - ambient) / PSI),
-        ),
+        ("supply pressure", pressures(supply, ambient)),
         ("nail", nail),
         ("wood, block", wood),
         ("support", supports::of(design).name()),

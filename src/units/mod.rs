@@ -34,7 +34,7 @@ impl Units {
     pub fn text<'a>(self, text: &'a str) -> Cow<'a, str> {
         match self {
             Self::Si => Cow::Borrowed(text),
-            Self::Us => text::converted(text),
+            Self::Us => text::converted(text, false),
         }
     }
 

@@ -11,7 +11,7 @@ pub(super) fn converted(page: &str) -> String {
     let mut rest = page;
     while let Some(place) = rest.find('<') {
         let (text, tag) = rest.split_at(place);
-        shown.push_str(&text::converted(text));
+        shown.push_str(&text::converted(text, true));
         let element = AS_WRITTEN.iter().find(|name| is_element(tag, name));
         let end = match element {
             Some(name) => tag.find(&format!("</{name}")),
@@ -21,7 +21,7 @@ pub(super) fn converted(page: &str) -> String {
         shown.push_str(copied);
         rest = behind;
     }
-    shown.push_str(&text::converted(rest));
+    shown.push_str(&text::converted(rest, true));
     shown
 }
 

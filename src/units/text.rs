@@ -32,8 +32,8 @@ const BETWEEN: [&str; 12] = [
 /// Units of two words.
 const TWO_WORDS: [&str; 3] = ["N s/mm", "N s/m", "N m"];
 
-/// A text with its quantities in units of the United States.
-pub(super) fn converted(text: &str) -> Cow<'_, str> {
+/// A text with its quantities in units of the United States, on a page with raised digits.
+pub(super) fn converted(text: &str, on_page: bool) -> Cow<'_, str> {
     let mut shown = String::new();
     let (mut at, mut copied, mut code) = (0, 0, false);
     while let Some(letter) = text[at..].chars().next() {
@@ -43,7 +43,7 @@ pub(super) fn converted(text: &str) -> Cow<'_, str> {
                 shown.push_str(&text[copied..at]);
                 at = found.end;
                 copied = at;
-                found.write(text, &mut shown);
+                found.write(text, on_page, &mut shown);
             }
             None => at += letter.len_utf8(),
         }
@@ -94,8 +94,6 @@ fn list(text: &str) -> Option<Vec<Range<usize>>> {
 struct Quantities {
     numbers: Vec<Range<usize>>,
     conversion: Conversion,
-    /// Whether the unit has raised digits.
-    raised: bool,
     end: usize,
 }
 
@@ -121,7 +119,6 @@ impl Quantities {
             {
                 return Some(Self {
                     conversion,
-                    raised: unit.contains(['\u{b2}', '\u{b3}']),
                     end: at + length,
                     numbers,
                 });
@@ -131,7 +128,7 @@ impl Quantities {
         None
     }
 
-    fn write(&self, text: &str, shown: &mut String) {
+    fn write(&self, text: &str, on_page: bool, shown: &mut String) {
         let mut copied = self.numbers[0].start;
         for own in &self.numbers {
             shown.push_str(&text[copied..own.start]);
@@ -139,7 +136,7 @@ impl Quantities {
             copied = own.end;
         }
         shown.push(' ');
-        match self.raised {
+        match on_page {
             true => shown.push_str(&self.conversion.unit.replace('2', "\u{b2}").replace('3', "\u{b3}")),
             false => shown.push_str(self.conversion.unit),
         }
@@ -177,7 +174,7 @@ fn number_at(text: &str, at: usize) -> Option<Range<usize>> {
     if bytes.get(end) == Some(&b'.') && digits(end + 1) > end + 1 {
         end = digits(end + 1);
     }
-    if bytes.get(end) == Some(&b'e') {
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
         let signed = end + 1 + usize::from(matches!(bytes.get(end + 1), Some(b'-' | b'+')));
         if signed <= bytes.len() && digits(signed) > signed {
             end = digits(signed);
@@ -241,7 +238,7 @@ fn number(text: &str, conversion: Conversion, exact: bool) -> String {
     } else {
         conversion.factor * value
     };
-    let shown = if plain.contains('e') {
+    let shown = if plain.contains(['e', 'E']) {
         rounded(own, DIGITS as usize + 1, 1e5)
     } else {
         let decimals = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len() as i32);
@@ -302,10 +299,11 @@ mod tests {
             ("+-2 mm", "+-0.0787 in"),
             ("20 degC +-2 degC", "68 degF +-4 degF"),
             ("12 N s/m", "0.0685 lbf s/in"),
-            ("40 mm\u{b2}", "0.0620 in\u{b2}"),
+            ("1.10E8 N/mm", "6.281e8 lbf/in"),
+            ("12 cm3", "0.732 in3"),
             ("7 bar (101.5 psig)", "102 psi (101.5 psig)"),
         ] {
-            assert_eq!(converted(si), us, "{si}");
+            assert_eq!(converted(si, false), us, "{si}");
         }
     }
 
@@ -318,7 +316,7 @@ mod tests {
             ("0.30 and 0.40 m", "11.8 and 15.7 in"),
             ("70 to 120 mm", "2.76 to 4.72 in"),
         ] {
-            assert_eq!(converted(si), us, "{si}");
+            assert_eq!(converted(si, false), us, "{si}");
         }
     }
 
@@ -333,15 +331,23 @@ mod tests {
             "20 uPa, 2 Pa, 1 pW, 4 Pa s/m2, 8 W/(m2 K), 3 N s/m3",
             "0.5 K of scatter, 12 draws, 5 L_WA",
         ] {
-            assert_eq!(converted(text), text);
+            assert_eq!(converted(text, false), text);
         }
+    }
+
+    #[test]
+    fn units_of_a_page_have_raised_digits() {
+        assert_eq!(
+            converted("40 mm\u{b2}, 1.97 L", true),
+            "0.0620 in\u{b2}, 0.0696 ft\u{b3}"
+        );
     }
 
     #[test]
     fn a_text_is_converted_once() {
         for si in ["head 4.0 mm deep, 8.0 J, 1.97 L, 763 kPa, 20 degC, 300 x 38 x 38 mm, 450 kg/m3, 2 m/s, 5 m"] {
-            let us = converted(si).into_owned();
-            assert_eq!(converted(&us), us);
+            let us = converted(si, false).into_owned();
+            assert_eq!(converted(&us, false), us);
         }
     }
 }
