@@ -61,8 +61,8 @@ mod tests {
 
     #[test]
     fn texts_are_converted_and_all_else_stays() {
-        let page =
-            "<p title=\"4 mm\">4.0 mm <code>60 mm</code> 8.0 J</p><script>let a = 1 < 2, b = \"4 mm\";</script>2 m";
+        let page = "<p title=\"4 mm\" data-x=\"4 mm\">4.0 mm <code>60 mm</code> 8.0 J</p>\
+                    <script>let a = 1 < 2, b = \"4 mm\";</script>2 m";
         let us = "<p title=\"0.157 in\" data-x=\"4 mm\">0.157 in <code>60 mm</code> 5.90 ft-lbf</p>\
                   <script>let a = 1 < 2, b = \"4 mm\";</script>6.56 ft";
         assert_eq!(converted(page), us);
