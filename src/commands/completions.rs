@@ -51,7 +51,7 @@ pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<St
     Ok(Status::SUCCESS)
 }
 
-/// Keeps the cursor behind a completed `KEY=`, where the value follows.
+/// Leaves the cursor behind a completed `KEY=`, where the value follows.
 const BASH: &str = r#"
 _nailnoise_keys() {
     _nailnoise "$@"

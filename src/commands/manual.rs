@@ -121,7 +121,7 @@ fn examples(command: &Command) -> String {
     section
 }
 
-/// What stands before the exit status in the help of the program.
+/// Text before the exit status in the help of the program.
 const STATUS: &str = "Exit status: ";
 
 /// The exit status in the help of the program: codes with their meanings, `0 done; 1 ...`.

@@ -1,6 +1,6 @@
 //! Stages of a computation in the words of a user, for progress.
 
-/// What a stage does, by its name; the name itself where a user knows it.
+/// The description of a stage for users; the name of a stage without one.
 pub(super) fn in_words(stage: &str) -> &str {
     match stage {
         "analysis of a source" => "spectra of a source",

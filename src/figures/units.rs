@@ -29,7 +29,7 @@ pub fn in_units(charts: Vec<Chart>, units: Units) -> Vec<Chart> {
     charts.into_iter().map(|chart| chart.in_units(units)).collect()
 }
 
-/// Converts an axis. The unit of a linear axis is its own or stands in brackets at the end of its label.
+/// Converts an axis. A linear axis has a unit, or one in brackets at the end of its label.
 fn axis(units: Units, axis: &mut Axis) -> Option<Conversion> {
     for category in &mut axis.categories {
         *category = units.text(category).into_owned();

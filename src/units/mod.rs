@@ -1,7 +1,7 @@
-//! The units in which people read results: SI or those of a workshop in the United States.
+//! Units of results for people: SI or those of a workshop in the United States.
 //!
 //! Texts, tables and charts are written in metric units, and files for machines stay in them. A renderer for people
-//! (terminal, page, chart) has one value of [`Units`] and converts what it renders: a text by [`Units::text`], a table
+//! (terminal, page, chart) has one value of [`Units`] and converts its input: a text by [`Units::text`], a table
 //! and a chart by their `in_units`, a page by [`Units::page`]. Notes of a result, which are part of its file, are
 //! converted in the same way.
 
@@ -18,7 +18,7 @@ pub(crate) use factors::Conversion;
 pub(crate) use heading::{renamed, unit_of};
 pub(crate) use text::{largest, numbers};
 
-/// Units in which quantities are shown. Levels in dB, frequencies and times are the same in both.
+/// Units of the quantities that are shown. Levels in dB, frequencies and times are the same in both.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 pub enum Units {
     /// mm, kPa, J, N, kg, L, degC

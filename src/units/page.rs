@@ -5,7 +5,7 @@ use super::text;
 /// Attributes with texts for people.
 const TEXTS: [&str; 3] = ["aria-label", "title", "alt"];
 
-/// Elements whose content is no text for people, or is input for the program.
+/// Elements with content for the browser or for the program.
 const AS_WRITTEN: [&str; 3] = ["script", "style", "code"];
 
 /// A page with the quantities of its texts and [`TEXTS`] in units of the United States; all else stays.

@@ -226,7 +226,7 @@ fn size(number: &str) -> Option<f64> {
     Some(number.abs())
 }
 
-/// A converted number. It resolves what the number resolved, and has three digits at least.
+/// A converted number with the resolution of the original and at least three digits.
 fn number(text: &str, conversion: Conversion, exact: bool) -> String {
     let typeset = text.starts_with('\u{2212}');
     let plain = text.replace('\u{2212}', "-");

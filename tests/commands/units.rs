@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::{SMALL, command, folder, json, messages, nailnoise};
 
-/// What a command prints on standard output.
+/// Standard output of a command.
 fn printed(arguments: &[&str]) -> String {
     let output = nailnoise(arguments);
     assert!(output.status.success(), "{}", messages(&output));
