@@ -21,7 +21,7 @@ pub(super) fn wood(name: &str) -> Result<&'static WoodKind, Error> {
     let names: Vec<&str> = others.iter().map(|own| own.name).collect();
     match others.iter().find(|own| plain(own.name) == plain(name)) {
         // The laws borrow their specimens for the whole process, which evaluates a few of them and ends.
-        Some(own) => Ok(Box::leak(Box::new(own.clone()))),
+        Some(own) => Ok(Box::leak(Box::new(*own))),
         None => Err(with(unknown, &format!(", {}", names.join(", "))).into()),
     }
 }
