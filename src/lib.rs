@@ -9,8 +9,8 @@
 //! [`measurement`] converts the recordings of a test to levels; [`virtual_test`] makes such recordings from a design
 //! and compares it with measured levels. [`verification`] computes public benchmarks. [`penetration`] compares
 //! penetration laws, [`scaling`] makes a design of another tool, and [`cost`] estimates the cost of a run before it
-//! begins. [`watch`] serves the page of a design that is being edited, and [`commands`] is the command line for all of
-//! this.
+//! begins. [`units`] are those in which people read results. [`watch`] serves the page of a design that is being
+//! edited, and [`commands`] is the command line for all of this.
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
@@ -42,6 +42,7 @@ pub mod shipped;
 pub mod stages;
 pub mod study;
 mod tables;
+pub mod units;
 pub mod verification;
 pub mod virtual_test;
 pub mod watch;

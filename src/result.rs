@@ -29,7 +29,7 @@ use crate::stages::headline::Headline;
 
 pub use design_id::DesignId;
 pub use performance::Performance;
-pub(crate) use performance::PerformanceFigure;
+pub(crate) use performance::{PerformanceFigure, pressures};
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -100,6 +100,15 @@ pub struct RunResult {
 }
 
 impl RunResult {
+    /// Text for the supply pressure, which designs may give either way; none for a tool without one.
+    pub(crate) fn supply_in_words(&self) -> Option<String> {
+        let pascals = |key: &str| match self.inputs.iter().find(|input| input.key == key)?.value {
+            crate::design::Value::Number(pascals) => Some(pascals),
+            _ => None,
+        };
+        Some(pressures(pascals("supply.pressure")?, pascals("ambient.pressure")?))
+    }
+
     /// JSON Schema (draft 2020-12) of a result.
     pub fn json_schema() -> Schema {
         schema_of::<Self>()

@@ -90,9 +90,13 @@ class Design(Mapping[str, Any]):
         entries = [*self._entries.values(), *json.loads(self._native.drawn_derived())]
         return table([row(entry) for entry in entries if entry["range"]], "key")
 
-    def with_(self, values: Mapping[str, Value]) -> Design:
-        """The design with other values: ``design.with_({"exhaust.holes": 18, "exhaust.hole_diameter": "3.15 mm"})``."""
-        return Design(self._native.with_assignments(_assignments(values)), {**self._values, **values})
+    def with_(self, values: Mapping[str, Value] | None = None, /, **more: Value) -> Design:
+        """The design with other values: ``design.with_({"exhaust.holes": 18, "exhaust.hole_diameter": "3.15 mm"})``.
+
+        A keyword has two underscores for each full stop of its key: ``design.with_(exhaust__holes=18)``.
+        """
+        given = {**(values or {}), **{key.replace("__", "."): value for key, value in more.items()}}
+        return Design(self._native.with_assignments(_assignments(given)), {**self._values, **given})
 
     def differences(self, other: Design) -> Any:
         """Keys whose values differ from those of another design, as a table."""

@@ -63,6 +63,15 @@ def run(
 def cycle(design: Design, report: Report | None) -> tuple[str, dict[str, tuple[str, bytes]], Charts]: ...
 def modes(design: Design, body: str, cache: str | None, keep: bool, report: Report | None) -> dict[str, Any]: ...
 def compare(results: list[str]) -> str: ...
+def compare_draws(
+    designs: list[Design],
+    draws: int,
+    seed: int,
+    structures: int | None,
+    cache: str | None,
+    keep: bool,
+    report: Report | None,
+) -> str: ...
 def study(
     design: Design,
     draws: int,

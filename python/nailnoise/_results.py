@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -133,7 +134,7 @@ class Run(_Shown):
         hz = [band["hz"] for band in self.data["ranking"][0]["bands"]]
         levels = [[band["lwa_db"] for band in source["bands"]] for source in self.data["ranking"]]
         names = list(self.levels)
-        units = {"units": "dB re 1 pW s"}
+        units = {"units": "dB re 1 pW s", "weighting": "A"}
         arrays = {
             "lwa_band": (("source", "hz"), np.array(levels, dtype=float), units),
             "lwa": ("source", np.array(list(self.levels.values()), dtype=float), units),
@@ -141,7 +142,7 @@ class Run(_Shown):
         coordinates: dict[str, Any] = {"source": names, "hz": ("hz", hz, {"units": "Hz"})}
         if self.sound:
             sound = np.stack(list(self.sound.values()))
-            arrays["pressure"] = (("heard", "microphone", "time"), sound, {"units": "Pa"})
+            arrays["pressure"] = (("heard", "microphone", "time"), sound, {"units": "Pa", "weighting": "none"})
             coordinates |= {"heard": list(self.sound), "time": np.arange(sound.shape[2]) / self.sample_rate}
         return xarray.Dataset(arrays, coordinates, {"design": self.name})
 
@@ -243,7 +244,11 @@ class Cycle(_Shown):
 
 
 class Modes(_Shown):
-    """Modes of a body. ``shapes`` is modes x nodes x 3 [kg^-1/2] (of unit modal mass), ``points`` nodes x 3 [m]."""
+    """Modes of a body. ``shapes`` is modes x nodes x 3 [kg^-1/2] (of unit modal mass), ``points`` nodes x 3 [m].
+
+    ``faces`` has the outer faces as ``pyvista.PolyData(modes.points, modes.faces)`` takes them: the number of corners of a face, then
+    its nodes, face after face.
+    """
 
     def __init__(self, body: str, made: dict[str, Any]) -> None:
         self.body = body
@@ -253,6 +258,15 @@ class Modes(_Shown):
         self.modes_there_are = int(made["modes_there_are"])
         self.points = _floats(made["points"]).reshape(-1, 3)
         self.shapes = _floats(made["shapes"]).reshape(len(self.hz), -1, 3)
+        self.faces: NDArray[np.int64] = np.array(made["faces"], dtype=np.int64)
+
+    def moved(self, mode: int, amplitude: float | None = None) -> Floats:
+        """Points displaced by a mode, counted from 0: the largest displacement is ``amplitude`` [m], else 6 % of the body's diagonal."""
+        shape = self.shapes[mode]
+        largest = float(np.linalg.norm(shape, axis=1).max())
+        if amplitude is None:
+            amplitude = 0.06 * float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        return self.points + (amplitude / largest if largest > 0.0 else 0.0) * shape
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         rows = [[str(place + 1), f"{hz:.2f}"] for place, hz in enumerate(self.hz) if not self.rigid[place]]
@@ -260,10 +274,23 @@ class Modes(_Shown):
 
 
 class Comparison(_Shown):
-    """Runs side by side. ``data`` is what ``nailnoise compare --json`` prints."""
+    """Runs side by side. ``data`` is what ``nailnoise compare --json`` prints; with draws it has ``paired``, too."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, paired: str | None = None) -> None:
         self.data: dict[str, Any] = json.loads(text)
+        if paired is not None:
+            self.data["paired"] = json.loads(paired)
+
+    @property
+    def changes(self) -> Any:
+        """Change of each level from the first design over common draws [dB], as a table: P5, P50, P95 and P(quieter); empty without
+        draws."""
+
+        def row(paired: dict[str, Any], change: dict[str, Any]) -> dict[str, Any]:
+            of_change = {key: change["change_db"][key]["value"] for key in ("p05", "p50", "p95")}
+            return {"design": paired["design"], "source": change["source"], **of_change, "quieter": change["quieter"]["value"]}
+
+        return table([row(paired, change) for paired in self.data.get("paired", []) for change in paired["changes"]])
 
     @property
     def levels(self) -> Any:
@@ -311,7 +338,7 @@ class Study(_Shown):
         columns = [name for name in (rows[0] if rows else {}) if name.startswith("L_WA,1s ")]
         levels = np.array([[float(row[name] or "nan") for name in columns] for row in rows])
         coordinates = {"draw": np.arange(len(rows)), "source": [name.split()[1] for name in columns]}
-        return _xarray().DataArray(levels, coordinates, ("draw", "source"), "lwa", {"units": "dB re 1 pW s"})
+        return _xarray().DataArray(levels, coordinates, ("draw", "source"), "lwa", {"units": "dB re 1 pW s", "weighting": "A"})
 
     @property
     def levels(self) -> Any:
@@ -385,16 +412,31 @@ def _failed(end: Any) -> str:
     return {"DryFire": "dry_fire"}.get(end, "solver_failure") if isinstance(end, str) else "solver_failure"
 
 
+def _number(value: str) -> tuple[float, str] | None:
+    """The number and the unit of a value; None for a word."""
+    found = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?) *([^0-9 ][^ ]*)?", value.strip())
+    return (float(found[1]), found[2] or "") if found else None
+
+
+def _common_unit(values: list[str]) -> str | None:
+    """The unit of values that are numbers in one unit; None for others."""
+    units = {number[1] if (number := _number(value)) else None for value in values}
+    return units.pop() if len(units) == 1 else None
+
+
 class Sweep(_Shown):
-    """Levels over a grid of values. ``points`` holds each as a dictionary."""
+    """Levels over a grid of values. ``points`` holds each as a dictionary, ``units`` the unit of each key whose values are numbers."""
 
     def __init__(self, keys: list[str], text: str, charts: list[tuple[str, str]]) -> None:
         self.keys, self.charts = keys, dict(charts)
         self.points: list[dict[str, Any]] = json.loads(text)
+        units = {key: _common_unit([point["values"][place] for point in self.points]) for place, key in enumerate(keys)}
+        self.units = {key: unit for key, unit in units.items() if unit is not None}
 
     @property
     def table(self) -> Any:
-        """A row for each point: its values, the level of each source and of the total [dB re 1 pW s], and the outcome."""
+        """A row for each point: its values, as numbers in ``units`` where they are numbers, the level of each source and of the total
+        [dB re 1 pW s], and the outcome."""
         return table(self._rows())
 
     def _rows(self) -> list[dict[str, Any]]:
@@ -403,16 +445,20 @@ class Sweep(_Shown):
             sources = {own["source"]: own["lwa_db"] for own in levels["sources"]} if levels else {}
             outcome = levels["outcome"] if levels else None
             values = dict(zip(self.keys, point["values"]))
+            values |= {key: number[0] for key in self.units if (number := _number(values[key]))}
             return {**values, **sources, "total": point["total_db"], "outcome": outcome, "refused": point["refused"] or None}
 
         return [row(point) for point in self.points]
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         rows = self._rows()
-        headings = max((list(row) for row in rows), key=len)[:-1]
+        names = max((list(row) for row in rows), key=len)[:-1]
+        headings = [f"{name} {self.units[name]}".rstrip() if name in self.units else name for name in names]
 
         def cell(name: str, value: Any) -> str:
-            return decibels(value) if isinstance(value, float) and name not in self.keys else str(value if value is not None else "-")
+            if name in self.units:
+                return f"{value:g}"
+            return decibels(value) if isinstance(value, float) else str(value if value is not None else "-")
 
         missed = next((point for point in self.points if point.get("headline")), None)
         lines = _headline(missed["headline"]) if missed else []
@@ -421,4 +467,4 @@ class Sweep(_Shown):
             words = ", ".join(sorted(own.replace("_", " ") for own in ends))
             lines.insert(0, f"ATTENTION: the shots do not end alike ({words}): do not compare their levels")
         title = "".join(f"{line}\n" for line in lines) + "levels, dB re 1 pW s"
-        return title, headings, [[cell(name, row.get(name)) for name in headings] for row in rows]
+        return title, headings, [[cell(name, row.get(name)) for name in names] for row in rows]

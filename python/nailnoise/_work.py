@@ -90,9 +90,27 @@ def modes(design: Design, body: str, *, cache: Cache = None, progress: Progress 
     return Modes(body, _native.modes(design._native, body, *_cache(cache), _reporter(progress)))
 
 
-def compare(*runs: Run | Design, cache: Cache = None) -> Comparison:
-    """Compares runs, or runs designs and compares them; the first is the reference."""
+def compare(
+    *runs: Run | Design,
+    draws: int | None = None,
+    seed: int = 1,
+    structures: int | None = None,
+    cache: Cache = None,
+    progress: Progress | bool | None = None,
+) -> Comparison:
+    """Compares runs, or runs designs and compares them; the first is the reference. Equal names are followed by a number.
+
+    With ``draws`` that many shots of all designs are drawn in common, and ``changes`` states how sure each change is; all arguments are
+    designs then. ``structures`` draws block, table and tool body, too, a new structure every so many draws.
+    """
     if len(runs) < 2:
         raise ValueError("a comparison needs two runs or designs")
-    done = [run(one, cache=cache) if isinstance(one, Design) else one for one in runs]
-    return Comparison(_native.compare([one.json for one in done]))
+    designs = [one for one in runs if isinstance(one, Design)]
+    if draws is not None and len(designs) < len(runs):
+        raise ValueError("draws are made from the ranges of designs: give designs, not runs")
+    done = [run(one, cache=cache, progress=progress) if isinstance(one, Design) else one for one in runs]
+    text = _native.compare([one.json for one in done])
+    if draws is None:
+        return Comparison(text)
+    natives = [one._native for one in designs]
+    return Comparison(text, _native.compare_draws(natives, draws, seed, structures, *_cache(cache), _reporter(progress)))

@@ -44,6 +44,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(runs::cycle, module)?)?;
     module.add_function(wrap_pyfunction!(runs::modes, module)?)?;
     module.add_function(wrap_pyfunction!(runs::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(study::compare_draws, module)?)?;
     module.add_function(wrap_pyfunction!(study::study_of, module)?)?;
     module.add_function(wrap_pyfunction!(study::shots, module)?)?;
     module.add_function(wrap_pyfunction!(study::sweep, module)?)?;

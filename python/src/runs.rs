@@ -113,6 +113,12 @@ pub(crate) fn modes<'py>(
         .collect();
     made.set_item("points", floats(py, &points))?;
     let values = shapes.shapes.nrows() * body.basis.hz.len();
+    let surface = &body.surface;
+    let faces = surface.faces.iter().flat_map(|face| {
+        let corners = face.kind.corners();
+        std::iter::once(corners).chain((0..corners).map(|corner| surface.volume_nodes[face.nodes[corner]]))
+    });
+    made.set_item("faces", faces.collect::<Vec<_>>())?;
     made.set_item("shapes", floats(py, &shapes.shapes.as_slice()[..values]))?;
     Ok(made)
 }

@@ -9,7 +9,8 @@ use nailnoise::figures;
 use nailnoise::graph::Graph;
 use nailnoise::headline;
 use nailnoise::stages::Progress;
-use nailnoise::study::{self, Axis, Request, StudyResult, Subset};
+use nailnoise::study::{self, Axis, PairedStudy, Request, StudyResult, Subset};
+use nailnoise::{Design, Error};
 use pyo3::prelude::*;
 
 use crate::design::{NativeDesign, parsed, store, unbounded};
@@ -67,6 +68,46 @@ pub(crate) fn study_of(
         Ok((result, study::csv(&made)?, charts))
     })?;
     Ok((json_of(&result)?, String::from_utf8_lossy(&table).into_owned(), charts))
+}
+
+/// Changes of the levels from the first design to each other over common draws, as JSON.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // they are those of the Python function
+pub(crate) fn compare_draws(
+    py: Python<'_>,
+    designs: Vec<PyRef<'_, NativeDesign>>,
+    draws: u32,
+    seed: u64,
+    structures: Option<u16>,
+    cache: Option<PathBuf>,
+    keep: bool,
+    report: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let request = request(draws, seed, structures, Subset::All)?;
+    let designs: Vec<_> = designs.iter().map(|own| Arc::clone(&own.design)).collect();
+    let paired = work::off_the_lock(py, report, move |observer| {
+        for design in &designs {
+            cost::refuse(design, &cost::of_run(design)?, MemoryLimit::default())?;
+        }
+        let progress = Progress::to(Arc::clone(&observer));
+        let graph = Graph::quiet(&store(cache, keep)?, observer);
+        let reference = &designs[0];
+        let pair = |other: &Arc<Design>| {
+            let made = study::common_draws(&graph, &[&**reference, &**other], &request, &progress)?;
+            Ok(PairedStudy::new(
+                (&**reference, &made[0]),
+                (&**other, &made[1]),
+                &request,
+            ))
+        };
+        designs
+            .iter()
+            .skip(1)
+            .map(pair)
+            .collect::<Result<Vec<_>, Error>>()
+            .map_err(Into::into)
+    })?;
+    json_of(&paired)
 }
 
 /// Draws designs only for the cycle, as JSON.

@@ -42,6 +42,8 @@ def test_a_design_is_a_mapping_of_its_values(small: nn.Design) -> None:
     assert other["exhaust.holes"] == 3 and small["exhaust.holes"] == 5
     assert {"supply.pressure", "exhaust.holes"} <= set(small.differences(other).index)
     assert other.with_({"exhaust.holes": 5, "supply.pressure": small["supply.pressure"]}) == small
+    assert small.with_(supply__pressure="80 psig", exhaust__holes=3) == other
+    assert small.with_({"exhaust.holes": 4}, exhaust__hole_diameter="4 mm")["exhaust.hole_diameter"] == 0.004
 
 
 def test_a_run_is_that_of_the_command(small: nn.Design, cache: Path, tmp_path: Path) -> None:
@@ -116,12 +118,37 @@ def test_modes_are_orthogonal_and_rigid_ones_come_first(small: nn.Design, cache:
     modes = nn.modes(small, "workpiece", cache=cache)
     assert modes.rigid.sum() == 6 and np.all(np.diff(modes.hz) >= -1e-6)
     assert modes.shapes.shape == (len(modes.hz), len(modes.points), 3)
+    # The faces are closed: each edge has a neighbour that runs the other way.
+    faces, edges, at = modes.faces, set(), 0
+    while at < len(faces):
+        own = faces[at + 1 : at + 1 + faces[at]]
+        edges |= set(zip(own.tolist(), np.roll(own, -1).tolist()))
+        at += 1 + int(faces[at])
+    assert edges and all((b, a) in edges for a, b in edges)
+    moved = modes.moved(7, 1e-3) - modes.points
+    assert np.linalg.norm(moved, axis=1).max() == pytest.approx(1e-3)
 
 
 def test_a_comparison_is_that_of_its_runs(small: nn.Design, cache: Path) -> None:
     runs = [nn.run(design, cache=cache) for design in (small, small.with_({"exhaust.holes": 4}))]
     levels = nn.compare(*runs).levels
     assert levels.loc["total"].tolist() == [run.total_db for run in runs]
+    # The variant of a design has its name, and is told apart by a number.
+    assert list(levels.columns) == ["small", "small (2)"]
+
+
+def test_a_comparison_with_draws_states_how_sure_a_change_is(cache: Path, tmp_path: Path) -> None:
+    file = tmp_path / "any.toml"
+    outcomes = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    file.write_text(f'base = "{SMALL}"\n[study]\nrequire = {outcomes}\n')
+    design = nn.load(file)
+    other = design.with_(exhaust__holes=4)
+    compared = nn.compare(design, other, draws=3, cache=cache)
+    changes = compared.changes
+    assert set(changes["source"]) == {"workpiece", "exhaust", "body", "total"}
+    assert compared.data["paired"][0]["draws"] == 3
+    with pytest.raises(ValueError, match="designs"):
+        nn.compare(nn.run(design, cache=cache), other, draws=3)
 
 
 def test_a_study_is_that_of_the_command(cache: Path, tmp_path: Path) -> None:

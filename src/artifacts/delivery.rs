@@ -193,6 +193,7 @@ impl Delivery<'_> {
             moving: chain.moving.clone(),
             cycle: chain.cycle.clone(),
             films: exports.films,
+            slow_motion: if exports.films { exports.slow_motion } else { 0 },
         });
         // The cycle's tables take longest.
         let of_cycle = || output::of_cycle(&*chain.cycle.get()?, exports);

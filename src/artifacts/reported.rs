@@ -12,6 +12,7 @@ use crate::report::{self, BodyPictures, Pictures, Recording};
 use crate::run::Run;
 use crate::stages::Stored;
 use crate::study::StudySource;
+use crate::units::Units;
 
 /// Index of the microphone whose sound is in the report: in front of the device, at half height.
 const IN_THE_REPORT: usize = 0;
@@ -68,9 +69,9 @@ impl ReportedRun {
         self.recordings.first()
     }
 
-    /// The report page for the current result.
-    pub fn page(&self, design: &Design) -> String {
-        report::run(design, &self.run, &self.pictures, &self.recordings)
+    /// The report page for the current result in these units.
+    pub fn page(&self, design: &Design, units: Units) -> String {
+        report::run(design, &self.run, &self.pictures, &self.recordings, units)
     }
 
     /// Gives outputs access to the run.
@@ -79,7 +80,7 @@ impl ReportedRun {
             design,
             run: &self.run,
             exports,
-            report: &|| self.page(design),
+            report: &|| self.page(design, exports.units),
         })
     }
 }

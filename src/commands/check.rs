@@ -8,12 +8,12 @@ use nailnoise_fem::{ModalCost, ShortestWave, wall_thicknesses};
 use nailnoise_meshes::{Mesh, Quality, Surface};
 use serde::Serialize;
 
-use super::table::table;
-use super::{Status, bodies::Input};
-use super::{print, print_json};
+use super::table::numbers;
+use super::{Shown, Status, bodies::Input, print_json};
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
 use crate::tables::fixed;
+use crate::units::Units;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -33,6 +33,8 @@ pub(super) struct Arguments {
     /// Print exactly one JSON value instead of text
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    shown: Shown,
     /// Compute what each input does to the total level, one at a time over its range, where no study states it: minutes
     #[arg(long, conflicts_with = "body")]
     effects: bool,
@@ -88,7 +90,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         let path = arguments.input.path();
         return match &arguments.drawing {
             Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),
-            None => super::assembly::check(&tool, path, arguments.json),
+            None => super::assembly::check(&tool, path, arguments.json, arguments.shown),
         };
     }
     let design = arguments.input.whole_design()?;
@@ -103,6 +105,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             memory: arguments.input.memory(),
             json: arguments.json,
             effects: arguments.effects,
+            shown: arguments.shown,
         };
         return super::explain::execute(&design, &asked);
     }
@@ -183,7 +186,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if arguments.json {
         print_json(&result)?;
     } else {
-        print(&text(&loaded.name, &result))?;
+        arguments
+            .shown
+            .print(&text(&loaded.name, &result, arguments.shown.units))?;
     }
     Ok(Status::from(if result.faults.is_empty() { 0 } else { 2 }))
 }
@@ -257,7 +262,7 @@ fn findings(
     (faults, warnings)
 }
 
-fn text(name: &str, result: &CheckResult) -> String {
+fn text(name: &str, result: &CheckResult, units: Units) -> String {
     let q = &result.quality;
     let mut text = format!("{name}: {} nodes, {} elements\n\n", result.nodes, result.elements);
     let mut line = |what: &str, value: String| text.push_str(&format!("  {what:<22}{value}\n"));
@@ -332,7 +337,7 @@ fn text(name: &str, result: &CheckResult) -> String {
         "shortest wave mm",
         "elements in it",
     ];
-    text.push_str(&table(&headings, &rows));
+    text.push_str(&numbers(&headings, &rows, units));
     let rows: Vec<Vec<String>> = result
         .groups
         .iter()
@@ -353,7 +358,11 @@ fn text(name: &str, result: &CheckResult) -> String {
         })
         .collect();
     text.push('\n');
-    text.push_str(&table(&["surface", "faces", "cm2", "centre mm", "named by"], &rows));
+    text.push_str(&numbers(
+        &["surface", "faces", "cm2", "centre mm", "named by"],
+        &rows,
+        units,
+    ));
     for fault in &result.faults {
         text.push_str(&format!("\n  fault: {fault}"));
     }

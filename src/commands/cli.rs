@@ -64,7 +64,7 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Compute the levels over a grid of values
     Sweep(sweep::Arguments),
-    /// Look for the design of the lowest level under constraints (needs the Python package)
+    /// Look for the design of the lowest level under constraints
     Optimise(optimise::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out
     /// or --figures

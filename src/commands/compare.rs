@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::Status;
 use super::{
-    Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
-    progress, status_of, table,
+    Changes, Keeping, Memory, Shown, Threads, comparison_page, comparison_sounds, folder_of, message, print,
+    print_json, progress, status_of, table,
 };
 use crate::artifacts::Delivery;
 use crate::atomic_write;
@@ -25,6 +25,7 @@ use crate::stages::Progress;
 use crate::store::Store;
 use crate::study::{PairedStudy, Request, common_draws};
 use crate::tables;
+use crate::units::Units;
 use crate::wording::order;
 
 #[derive(Args)]
@@ -57,6 +58,8 @@ pub(super) struct Arguments {
     pub(super) memory: Memory,
     #[command(flatten)]
     pub(super) changes: Changes,
+    #[command(flatten)]
+    pub(super) shown: Shown,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -109,10 +112,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let comparison = Comparison::new(&results);
     let recordings = comparison_sounds::recordings(&folders);
     let identity = comparison_page::identity(&arguments.designs);
+    let units = arguments.shown.units;
     let page = comparison_page::place(&arguments.out, &comparison.designs, &identity);
     atomic_write::write(
         &page,
-        report::comparison(&comparison, &paired, &identity, &recordings).as_bytes(),
+        report::comparison(&comparison, &paired, &identity, &recordings, units).as_bytes(),
     )?;
     if arguments.json {
         print_json(&Layout {
@@ -120,9 +124,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             paired: &paired,
         })?;
     } else {
-        print(&super::alarm(&comparison.alarms()))?;
-        print(&text(&comparison, arguments.bands, arguments.intervals))?;
-        paired.iter().try_for_each(|paired| print(&changes(paired)))?;
+        arguments.shown.print(&super::alarm(&comparison.alarms()))?;
+        arguments
+            .shown
+            .print(&text(&comparison, arguments.bands, arguments.intervals, units))?;
+        paired
+            .iter()
+            .try_for_each(|paired| arguments.shown.print(&changes(paired)))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;
     }
     let exceeded = comparison.exceeded(&arguments.fail_above);
@@ -193,7 +201,10 @@ fn finish(
     let delivery = Delivery {
         design: &design,
         folder: &folder,
-        exports: Exports::default(),
+        exports: Exports {
+            units: arguments.shown.units,
+            ..Exports::default()
+        },
         screening: false,
         printer: super::run::printed,
         store: cache,
@@ -217,17 +228,17 @@ fn free_name(name: &str, others: &[Finished]) -> String {
         .unwrap_or_default()
 }
 
-fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
+fn text(comparison: &Comparison, bands: bool, intervals: bool, units: Units) -> String {
     let mut text = String::from("differences\n\n");
     if comparison.inputs.is_empty() {
         text.push_str("  none: the designs have the same values\n");
     } else {
-        text.push_str(&table::text(&comparison.input_table()));
+        text.push_str(&table::text(&comparison.input_table().in_units(units)));
     }
     text.push_str("\nA-weighted single-event sound power levels, dB re 1 pW s; changes from the first\n\n");
     text.push_str(&table::text(&comparison.level_table()));
     if let Some(performance) = comparison.performance_table() {
-        text.push_str(&format!("\n{}", table::text(&performance)));
+        text.push_str(&format!("\n{}", table::text(&performance.in_units(units))));
     }
     if let Some(intervals) = comparison.interval_table() {
         text.push_str(&format!("\nintervals of the levels\n\n{}", table::text(&intervals)));
@@ -242,7 +253,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     for (design, name) in comparison.designs.iter().enumerate() {
         text.push_str(&format!("  {name}: ranking {}\n", order(&comparison.placed(design))));
     }
-    let shot = comparison.shot_table();
+    let shot = comparison.shot_table().in_units(units);
     text.push_str(&format!("\nthe shot\n\n{}", table::text(&shot)));
     if shot.rows.len() == 1 {
         text.push_str("  all figures and events are equal\n");

@@ -67,12 +67,12 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Erro
     }
     let comparison = compare(&measured, &predicted);
     let page = arguments.out.join(format!("measured-{}.html", designs[0].name()));
-    atomic_write::write(&page, report::measured(&comparison).as_bytes())?;
+    atomic_write::write(&page, report::measured(&comparison, arguments.shown.units).as_bytes())?;
     progress.end();
     if arguments.json {
         print_json(&comparison)?;
     } else {
-        print(&text(&comparison))?;
+        arguments.shown.print(&text(&comparison))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;
     }
     Ok(Status::SUCCESS)

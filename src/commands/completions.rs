@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Command};
 use clap_complete::{Generator as _, Shell};
 
 use super::user_folders::{config, data};
 use super::{Status, print};
 use crate::atomic_write;
+use crate::design::{Design, Entry};
 use crate::error::Error;
+use crate::shipped;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -28,8 +31,12 @@ pub(super) struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<Status, Error> {
     let shell = arguments.shell.or_else(Shell::from_env).ok_or(Error::NoShell)?;
+    let mut named = with_names(program.clone())?;
     let mut text = Vec::new();
-    clap_complete::generate(shell, program, "nailnoise", &mut text);
+    clap_complete::generate(shell, &mut named, "nailnoise", &mut text);
+    if shell == Shell::Bash {
+        text.extend_from_slice(BASH.as_bytes());
+    }
     if !arguments.install && arguments.out.is_none() {
         print(&String::from_utf8_lossy(&text))?;
         return Ok(Status::SUCCESS);
@@ -42,6 +49,44 @@ pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<St
     atomic_write::write(&path, &text)?;
     print(&format!("{}{}\n", path.display(), remark(shell, &path)))?;
     Ok(Status::SUCCESS)
+}
+
+/// Leaves the cursor behind a completed `KEY=`, where the value follows.
+const BASH: &str = r#"
+_nailnoise_keys() {
+    _nailnoise "$@"
+    if [[ ${#COMPREPLY[@]} -eq 1 && ${COMPREPLY[0]} == *= ]]; then
+        compopt -o nospace
+    fi
+}
+complete -F _nailnoise_keys -o bashdefault -o default nailnoise
+"#;
+
+/// The program with the words that its options take: keys of a design for `--set` and `--vary`, designs that come with
+/// the program for `--from`.
+fn with_names(program: Command) -> Result<Command, Error> {
+    let (path, text) = shipped::DESIGNS[0];
+    let design = Design::parse(text, path)?;
+    // The names of options live as long as the process, which writes them once and ends.
+    let key = |entry: Entry| -> &'static str { Box::leak(format!("{}=", entry.key).into_boxed_str()) };
+    let keys: Vec<&str> = design.entries().into_iter().map(key).collect();
+    let designs: Vec<&str> = shipped::names().collect();
+    Ok(named(program, &[("set", &keys), ("vary", &keys), ("from", &designs)]))
+}
+
+/// A command whose options, and those of its subcommands, have these values to choose from.
+fn named(mut command: Command, words: &[(&str, &[&'static str])]) -> Command {
+    let own: Vec<String> = command.get_arguments().map(|own| own.get_id().to_string()).collect();
+    for (option, words) in words.iter().filter(|(option, _)| own.iter().any(|own| own == option)) {
+        let values = words.iter().copied().map(PossibleValue::new).collect::<Vec<_>>();
+        command = command.mut_arg(option, |argument| {
+            argument.value_parser(PossibleValuesParser::new(values))
+        });
+    }
+    let children: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
+    children.into_iter().fold(command, |command, child| {
+        command.mut_subcommand(child, |own| named(own, words))
+    })
 }
 
 /// Folder of a user's completions, either the shell's default or one that can be set.

@@ -20,6 +20,7 @@ use crate::penetration;
 use crate::result::{CycleFigures, DesignId};
 use crate::stages::cycle::{Preset, event_times};
 use crate::tables::{self, dash, fixed};
+use crate::units::Units;
 use crate::wording::figure;
 
 /// The file written last, whose presence shows that the folder is complete.
@@ -140,7 +141,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if with_files {
         progress.stage("writing files");
         let subject = format!("{}{form}: {}", design.name(), record.outcome.name().replace('_', " "));
-        let charts = arguments.figures.then(|| figures::cycle(&subject, &design, &record));
+        let charts = arguments
+            .figures
+            .then(|| figures::in_units(figures::cycle(&subject, &design, &record), common.shown.units));
         figures = write(&folder, &record, &charts.unwrap_or_default())?;
     }
     progress.end();
@@ -157,7 +160,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if common.options.json {
         print_json(&result)?;
     } else {
-        print(&text(&form, &result, &record))?;
+        common.shown.print(&text(&form, &result, &record, common.shown.units))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
         for file in &figures {
             print(&format!("  {}\n", file.display()))?;
@@ -184,6 +187,7 @@ fn of_assembly(arguments: &Arguments, tool: &AssembledTool) -> Result<Status, Er
         out: common.options.out.as_deref(),
         json: common.options.json,
         figures: arguments.figures,
+        shown: common.shown,
     };
     super::assembly::cycle(tool, &asked)
 }
@@ -203,7 +207,7 @@ fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<Pa
     Ok(figures.iter().map(|file| folder.join(file)).collect())
 }
 
-fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
+fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord, units: Units) -> String {
     let mut text = format!(
         "{}{form}: {}\n\n",
         result.design.name,
@@ -221,9 +225,9 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
             vec![name.replace('_', " "), value]
         })
         .collect();
-    text.push_str(&table::table(&["summary", "value"], &rows));
+    text.push_str(&table::numbers(&["summary", "value"], &rows, units));
     text.push('\n');
-    text.push_str(&table::table(&["energy", "J"], &energy(&record.energy)));
+    text.push_str(&table::numbers(&["energy", "J"], &energy(&record.energy), units));
     text.push('\n');
     text.push_str(&table::text(&tables::run::checks(&record.checks)));
     text.push_str(&format!(

@@ -83,7 +83,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
             file: path.display().to_string(),
         })?;
     } else {
-        print(&text(design.name(), seed, &sampler, &counted))?;
+        common.shown.print(&text(design.name(), seed, &sampler, &counted))?;
         print(&format!("\n  every design in {}\n", path.display()))?;
     }
     Ok(status)

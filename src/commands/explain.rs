@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use super::effects::{Effect, Effects, ToMeasure};
 use super::next_lines::next_lines;
-use super::table::{table, texts};
-use super::{Status, bodies::modal_cost};
-use super::{outside_table, print, print_json, progress, red};
+use super::table::{table, words};
+use super::{Shown, Status, bodies::modal_cost};
+use super::{outside_table, print_json, progress, red};
 use crate::calibration::{NextRow, next_of_study};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
@@ -21,10 +21,12 @@ use crate::design::{Design, Entry, OutsideValue, Provenance};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{Headline, headline, sentence};
+use crate::result::pressures;
 use crate::stages::bodies::{BodyKind, MeshSource};
 use crate::stages::radiation::{WorkpieceRadiation, describe_gap};
 use crate::store::Store;
 use crate::study::{in_force, variables};
+use crate::units::Units;
 
 /// Number of inputs in the table of effects.
 const LISTED: usize = 12;
@@ -51,6 +53,9 @@ struct Explanation {
     runs: bool,
     /// How the shot ends, if the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
+    /// Supply pressure in words; without a place in JSON, which has its value among the inputs of a run.
+    #[serde(skip)]
+    supply: String,
     /// The shot; null if it cannot be computed.
     shot: Option<ShotSummary>,
     /// Values outside the ranges for such tools or for the design.
@@ -117,6 +122,8 @@ pub(super) struct Asked {
     pub(super) json: bool,
     /// Whether to compute the effects of all inputs on the total.
     pub(super) effects: bool,
+    /// Units of the text.
+    pub(super) shown: Shown,
 }
 
 pub(super) fn execute(design: &Design, asked: &Asked) -> Result<Status, Error> {
@@ -128,7 +135,7 @@ pub(super) fn execute(design: &Design, asked: &Asked) -> Result<Status, Error> {
     if asked.json {
         print_json(&explanation)?;
     } else {
-        print(&text(&explanation))?;
+        asked.shown.print(&text(&explanation, asked.shown.units))?;
     }
     Ok(Status::from(if explanation.runs { 0 } else { 2 }))
 }
@@ -212,6 +219,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         schema: "nailnoise-check-design/1",
         runs,
         headline,
+        supply: pressures(design.supply.pressure, design.ambient.pressure),
         outside: design.outside_values(),
         measure_first: effects.to_measure(design),
         measure_next: next_of_study(graph.store(), design)?,
@@ -301,14 +309,14 @@ fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
         .collect())
 }
 
-fn text(e: &Explanation) -> String {
+fn text(e: &Explanation, units: Units) -> String {
     [
         can_it_run(e),
         does_it_drive(e),
         missing(e),
-        outside(e),
-        effects(e),
-        to_measure(e),
+        outside(e, units),
+        effects(e, units),
+        to_measure(e, units),
         next(e),
         costs(e),
     ]
@@ -354,7 +362,11 @@ fn does_it_drive(e: &Explanation) -> String {
     };
     let speed = shot.mean_drive_speed;
     let speed = speed.map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, "));
-    let figures = format!("  {speed}{:.2} g of air through the exhaust\n", 1e3 * shot.exhaust_mass);
+    let figures = format!(
+        "  {speed}{:.2} g of air through the exhaust, supply {}\n",
+        1e3 * shot.exhaust_mass,
+        e.supply
+    );
     match &e.headline {
         None => format!("\ndoes it drive: yes, {}\n{figures}", shot.text),
         Some(headline) => {
@@ -388,18 +400,18 @@ fn missing(e: &Explanation) -> String {
     text
 }
 
-fn outside(e: &Explanation) -> String {
+fn outside(e: &Explanation, units: Units) -> String {
     match e.outside.as_slice() {
         [] => "\nvalues outside plausible ranges: none\n".to_owned(),
         values => format!(
             "\nvalues outside plausible ranges: {}\n\n{}",
             values.len(),
-            outside_table(values)
+            outside_table(values, units)
         ),
     }
 }
 
-fn effects(e: &Explanation) -> String {
+fn effects(e: &Explanation, units: Units) -> String {
     let own = &e.effects;
     let row = |input: &Effect| {
         vec![
@@ -413,7 +425,11 @@ fn effects(e: &Explanation) -> String {
     let rows: Vec<Vec<String>> = notable.iter().take(LISTED).map(|input| row(input)).collect();
     let mut text = format!("\ninputs by their effect: {}\n\n", own.basis);
     let unit = own.unit;
-    text.push_str(&texts(&["input", &format!("effect {unit}"), "value", "range"], &rows));
+    text.push_str(&words(
+        &["input", &format!("effect {unit}"), "value", "range"],
+        &rows,
+        units,
+    ));
     match notable.len().saturating_sub(LISTED) {
         0 => {}
         more => text.push_str(&format!("  and {more} more; --json lists all\n")),
@@ -421,7 +437,7 @@ fn effects(e: &Explanation) -> String {
     text
 }
 
-fn to_measure(e: &Explanation) -> String {
+fn to_measure(e: &Explanation, units: Units) -> String {
     let unit = e.effects.unit;
     let row = |own: &ToMeasure| {
         let measurement = &own.measurement;
@@ -447,7 +463,7 @@ fn to_measure(e: &Explanation) -> String {
         "accuracy",
         "how",
     ];
-    format!("\nwhat to measure first\n\n{}", texts(&headings, &rows))
+    format!("\nwhat to measure first\n\n{}", words(&headings, &rows, units))
 }
 
 fn next(e: &Explanation) -> String {

@@ -31,6 +31,7 @@ pub(super) struct Arguments {
 pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<Status, Error> {
     let mut program = program.disable_help_subcommand(true);
     program.build();
+    let status = status_of(&program);
     if !arguments.install && arguments.out.is_none() {
         let mut page = &program;
         for name in &arguments.command {
@@ -38,7 +39,7 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<Status,
                 .find_subcommand(name)
                 .ok_or_else(|| Error::NoSuchCommand { name: name.clone() })?;
         }
-        print(&String::from_utf8_lossy(&render(page)))?;
+        print(&String::from_utf8_lossy(&render(page, &status)))?;
         return Ok(Status::SUCCESS);
     }
     let folder = match &arguments.out {
@@ -54,7 +55,7 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<Status,
     let mut count = 0;
     let mut open = vec![&program];
     while let Some(command) = open.pop() {
-        staging.write(name(command).as_ref(), &render(command))?;
+        staging.write(name(command).as_ref(), &render(command, &status))?;
         count += 1;
         open.extend(command.get_subcommands().filter(|own| !own.is_hide_set()));
     }
@@ -73,9 +74,75 @@ fn name(command: &Command) -> String {
     Man::new(command.clone()).get_filename()
 }
 
-fn render(command: &Command) -> Vec<u8> {
+/// The page of a command: the sections of its help, then examples and the exit status of the program.
+fn render(command: &Command, status: &str) -> Vec<u8> {
+    let man = Man::new(command.clone());
     let mut page = Vec::new();
+    let mut write = || -> std::io::Result<()> {
+        man.render_title(&mut page)?;
+        man.render_name_section(&mut page)?;
+        man.render_synopsis_section(&mut page)?;
+        man.render_description_section(&mut page)?;
+        man.render_options_section(&mut page)?;
+        if command.get_subcommands().any(|own| !own.is_hide_set()) {
+            man.render_subcommands_section(&mut page)?;
+        }
+        page.extend(examples(command).into_bytes());
+        page.extend(exit_status(status).into_bytes());
+        if command.get_version().is_some() {
+            man.render_version_section(&mut page)?;
+        }
+        Ok(())
+    };
     // Writing to memory cannot fail.
-    let _ = Man::new(command.clone()).render(&mut page);
+    let _ = write();
     page
+}
+
+/// The section with the examples of a help text: lines with a command, each followed by its purpose.
+fn examples(command: &Command) -> String {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let (examples, _) = help.split_once(STATUS).unwrap_or((&help, ""));
+    let mut lines = examples
+        .lines()
+        .skip(1)
+        .filter(|line| !line.trim().is_empty())
+        .peekable();
+    if lines.peek().is_none() {
+        return String::new();
+    }
+    let mut section = ".SH EXAMPLES\n".to_owned();
+    for line in lines {
+        match line.starts_with("      ") {
+            true => section.push_str(&format!("{}\n", escaped(line.trim()))),
+            false => section.push_str(&format!(".TP\n\\fB{}\\fR\n", escaped(line.trim()))),
+        }
+    }
+    section
+}
+
+/// Text before the exit status in the help of the program.
+const STATUS: &str = "Exit status: ";
+
+/// The exit status in the help of the program: codes with their meanings, `0 done; 1 ...`.
+fn status_of(program: &Command) -> String {
+    let help = program.get_after_help().map(ToString::to_string).unwrap_or_default();
+    help.split_once(STATUS)
+        .map_or_else(String::new, |(_, codes)| codes.trim_end_matches('.').to_owned())
+}
+
+/// The section with the meanings of the exit status.
+fn exit_status(status: &str) -> String {
+    let codes = status.split("; ").filter_map(|own| own.split_once(' '));
+    let paragraph = |(code, meaning): (&str, &str)| format!(".TP\n\\fB{code}\\fR\n{}\n", escaped(meaning));
+    format!(".SH \"EXIT STATUS\"\n{}", codes.map(paragraph).collect::<String>())
+}
+
+/// A line of text that `man` shows as it is.
+fn escaped(text: &str) -> String {
+    let text = text.replace('\\', "\\e").replace('-', "\\-").replace('\'', "\\(aq");
+    match text.starts_with('.') {
+        true => format!("\\&{text}"),
+        false => text,
+    }
 }

@@ -45,6 +45,7 @@ mod red;
 mod run;
 mod schema;
 mod sensitivity;
+mod stage_words;
 mod status;
 mod structures;
 mod study;
@@ -67,12 +68,13 @@ use crate::design::{Assignment, Design, OutsideValue, Warning};
 use crate::error::Error;
 use crate::result::Check;
 use crate::store::{Store, StoreError};
+use crate::units::Units;
 use crate::wording::visible;
 pub use cli::{main, main_with};
 pub(super) use progress::progress;
 use red::red;
 pub use status::Status;
-use table::texts;
+use table::words;
 
 /// Arguments common to all commands that compute from a design.
 #[derive(Args)]
@@ -81,6 +83,8 @@ struct Common {
     design: PathBuf,
     #[command(flatten)]
     options: Options,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 /// Options common to all commands that compute.
@@ -134,6 +138,22 @@ impl Options {
     /// The folder for the output files of a design.
     fn out(&self, design: &Design) -> Result<PathBuf, Error> {
         given_or_named(self.out.as_deref(), design.name(), design.path())
+    }
+}
+
+/// Units of what a command shows to people.
+#[derive(Args, Clone, Copy)]
+struct Shown {
+    /// Units of the terminal, of pages and of charts; JSON and CSV are in SI
+    #[arg(long, value_enum, value_name = "SYSTEM", default_value_t)]
+    #[arg(env = "NAILNOISE_UNITS", hide_env_values = true)]
+    units: Units,
+}
+
+impl Shown {
+    /// Writes text to standard output in these units.
+    fn print(self, text: &str) -> Result<(), Error> {
+        print(&self.units.text(text))
     }
 }
 
@@ -226,7 +246,7 @@ impl Changes {
                  it is meant; \
                  `nailnoise check` states the consequences",
                 outside.len(),
-                outside_table(&design.outside_values())
+                outside_table(&design.outside_values(), Units::Si)
             ));
         }
         Ok(design)
@@ -250,7 +270,7 @@ fn is_outside(warning: &Warning) -> bool {
 }
 
 /// Values outside their ranges: key, value, range, consequence.
-fn outside_table(values: &[OutsideValue]) -> String {
+fn outside_table(values: &[OutsideValue], units: Units) -> String {
     let row = |own: &OutsideValue| {
         let [low, high] = &own.range;
         let of = if own.of == "class" { "such tools" } else { "the design" };
@@ -263,7 +283,7 @@ fn outside_table(values: &[OutsideValue]) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = values.iter().map(row).collect();
-    texts(&["key", "value", "range", "of", "consequence"], &rows)
+    words(&["key", "value", "range", "of", "consequence"], &rows, units)
 }
 
 /// Threads that a command may use.

@@ -149,7 +149,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if common.options.json {
         print_json(&result)?;
     } else {
-        print(&text(&result, &body))?;
+        common.shown.print(&text(&result, &body))?;
         for file in files {
             print(&format!("  written to {}\n", folder.join(file).display()))?;
         }

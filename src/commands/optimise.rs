@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::python::Cluster;
 use super::run::delivered;
-use super::{Common, Keeping, Status, print, print_json, progress, status_of, table};
+use super::{Common, Keeping, Status, print_json, progress, status_of, table};
 use crate::artifacts::Delivery;
 use crate::atomic_write::AtomicWrite;
 use crate::design::{Assignment, Design};
@@ -18,6 +18,7 @@ use crate::output::{self, Exports};
 use crate::result::Check;
 use crate::store::Store;
 use crate::tables::optimisation as tables;
+use crate::units::Units;
 use crate::{figures, report};
 
 /// The page; the last file to be written, so that a folder with it has all the rest.
@@ -147,10 +148,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             names.iter().map(|name| Some(format!("{name}/report.html"))).collect()
         }
     };
+    let units = common.shown.units;
+    let charts = figures::in_units(figures::optimisation(&found), units);
     staging.write(Path::new("candidates.csv"), &csv(&found)?)?;
     staging.write(
         Path::new(LAST),
-        report::optimised(&found, &figures::optimisation(&found), &reports).as_bytes(),
+        report::optimised(&found, &charts, &reports, units).as_bytes(),
     )?;
     staging.place(&outdated(folder, design.name(), names.len()), Path::new(LAST))?;
     progress.end();
@@ -165,7 +168,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             files,
         })?;
     } else {
-        print(&text(&found, &files, &folder.join(LAST)))?;
+        common.shown.print(&text(&found, &files, &folder.join(LAST), units))?;
     }
     Ok(match found.front.is_empty() {
         true => Status::from(1),
@@ -184,7 +187,10 @@ fn reported(
     let (_, checks) = delivered(&Delivery {
         design,
         folder,
-        exports: Exports::default(),
+        exports: Exports {
+            units: arguments.common.shown.units,
+            ..Exports::default()
+        },
         screening: false,
         printer: super::run::printed,
         store,
@@ -225,7 +231,7 @@ fn outdated(folder: &Path, name: &str, count: usize) -> Vec<PathBuf> {
     files
 }
 
-fn text(found: &Optimisation, files: &[String], page: &Path) -> String {
+fn text(found: &Optimisation, files: &[String], page: &Path, units: Units) -> String {
     let title = format!(
         "{}: {} candidates, levels of {}, {} feasible",
         found.design.name,
@@ -237,7 +243,7 @@ fn text(found: &Optimisation, files: &[String], page: &Path) -> String {
     if files.is_empty() {
         return format!("{title}; loosen a constraint or widen a range\n\n  {page} says what excludes them\n");
     }
-    let table = table::text(&tables::best(found, &[]));
+    let table = table::text(&tables::best(found, &[]).in_units(units));
     let list: String = files.iter().map(|file| format!("  {file}\n")).collect();
     format!(
         "{title}\n\n{table}\n{list}  {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare \

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use super::message;
+use super::stage_words::in_words;
 use crate::stages::{Observer, Progress, Task};
 
 /// Whether `--quiet` was given.
@@ -66,6 +67,7 @@ struct Terminal {
 
 impl Observer for Terminal {
     fn stage(&self, name: &str) {
+        let name = in_words(name);
         match &self.bar {
             Some(bar) => bar.set_message(name.to_owned()),
             None if self.quiet => {}
@@ -107,7 +109,9 @@ impl Observer for Terminal {
             return;
         }
         let known = known.unwrap_or_else(|| {
-            let bar = self.lines.add(ProgressBar::no_length().with_message(task.name));
+            let bar = self
+                .lines
+                .add(ProgressBar::no_length().with_message(in_words(task.name)));
             tasks.push((task.name, bar));
             tasks.len() - 1
         });
@@ -116,10 +120,10 @@ impl Observer for Terminal {
         if bar.length() != of || bar.position() == 0 {
             let template = match of {
                 Some(_) => format!(
-                    "  {{msg:24}} {{bar:30}} {{pos}}/{{len}} {}, {{per_sec}}, {{eta}} left",
+                    "  {{msg:44}} {{bar:24}} {{pos}}/{{len}} {}, {{per_sec}}, {{eta}} left",
                     task.items
                 ),
-                None => format!("  {{msg:24}} {{pos}} {}, {{per_sec}}, {{elapsed}}", task.items),
+                None => format!("  {{msg:44}} {{pos}} {}, {{per_sec}}, {{elapsed}}", task.items),
             };
             if let Ok(style) = ProgressStyle::with_template(&template) {
                 bar.set_style(style.progress_chars("=> "));

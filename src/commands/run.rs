@@ -20,6 +20,9 @@ use crate::store::Store;
 use crate::tables::{dash, fixed, run as tables};
 use crate::wording::{order, readable};
 
+/// Default factor of the film: the first tenth of a second of a shot in ten seconds.
+pub(super) const SLOW_MOTION: u32 = 100;
+
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise run my-tool.toml" => "ranks the sources; files and report in out/my-tool/",
@@ -40,6 +43,10 @@ pub(super) struct Arguments {
     /// long as a first run
     #[arg(long)]
     fields: bool,
+    /// With --fields: how many times slower than the shot its film plays, a second of the shot in so many seconds
+    #[arg(long, value_name = "FACTOR", default_value_t = SLOW_MOTION)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    slow_motion: u32,
     /// Write every sample of the histories of the cycle and of the sensors, instead of one each 10 us or more
     #[arg(long)]
     histories: bool,
@@ -61,6 +68,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             figures: arguments.figures,
             films: arguments.fields,
             histories: arguments.histories,
+            units: common.shown.units,
+            slow_motion: arguments.slow_motion,
         },
         // Scripts should not wait for a screening.
         screening: !common.options.json,
@@ -82,9 +91,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if common.options.json {
         print(&artifacts.json)?;
     } else {
-        print(&shown(&artifacts.printed))?;
+        common.shown.print(&shown(&artifacts.printed))?;
         if arguments.components {
-            print(&artifacts.printed.parts)?;
+            common.shown.print(&artifacts.printed.parts)?;
         }
         if unchanged {
             print("  unchanged design: result from the cache\n")?;
@@ -164,8 +173,11 @@ fn levels(result: &RunResult) -> String {
         text.push_str(&format!("\n  check against the draws FAILED: {}\n", check.name));
     }
     let [power, peak] = declaration::lines(&result.declaration, &result.ear);
+    if let Some(supply) = result.supply_in_words() {
+        text.push_str(&format!("\n  the supply: {supply}\n"));
+    }
     if let Some(performance) = &result.performance {
-        text.push_str(&format!("\n  the shot: {}\n", performance.in_words()));
+        text.push_str(&format!("  the shot: {}\n", performance.in_words()));
     }
     text.push_str(&format!("\n  declared: {power}\n  {peak}\n"));
     text

@@ -54,7 +54,7 @@ pub(super) fn execute(
             sensitivity: &sensitivity,
         })?;
     } else {
-        print(&text(design.name(), &sensitivity))?;
+        common.shown.print(&text(design.name(), &sensitivity))?;
         print(&format!("\n  all parameters in {}\n", path.display()))?;
     }
     Ok(Status::SUCCESS)

@@ -254,13 +254,15 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
     let staging = AtomicWrite::within(&folder)?;
-    let (charts, scatter) = (figures::study(&result), figures::scatter(&result, &made));
+    let units = common.shown.units;
+    let [charts, scatter] =
+        [figures::study(&result), figures::scatter(&result, &made)].map(|own| figures::in_units(own, units));
     if arguments.figures {
         figures::write(&staging, "figures".as_ref(), &[&charts[..], &scatter[..]].concat())?;
     }
     staging.write(
         "study.html".as_ref(),
-        report::study(&result, &charts, &scatter).as_bytes(),
+        report::study(&result, &charts, &scatter, units).as_bytes(),
     )?;
     staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
     if let Some(partners) = partners {
@@ -281,8 +283,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         print(&json)?;
     } else {
         let lines = result.headline.as_ref().map(Headline::lines).unwrap_or_default();
-        print(&super::alarm(&lines))?;
-        print(&text(&result))?;
+        common.shown.print(&super::alarm(&lines))?;
+        common.shown.print(&text(&result))?;
         print(&format!(
             "\n  files in {}; open study.html for the charts\n",
             folder.display()

@@ -21,6 +21,7 @@ use crate::result::DesignId;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 use crate::tables::sweep::{self as tables, sources};
+use crate::units::Units;
 
 /// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "sweep.csv";
@@ -109,6 +110,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         name_folders(&mut points, &arguments.vary);
         let exports = Exports {
             films: arguments.fields,
+            units: common.shown.units,
+            slow_motion: super::run::SLOW_MOTION,
             ..Exports::default()
         };
         for point in &points {
@@ -129,8 +132,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
     }
     let staging = AtomicWrite::within(&folder)?;
-    let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
-    let page = report::swept(design.name(), &arguments.vary, &points, &chart);
+    let units = common.shown.units;
+    let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points).in_units(units);
+    let page = report::swept(design.name(), &arguments.vary, &points, &chart, units);
     staging.write("sweep.html".as_ref(), page.as_bytes())?;
     if arguments.figures {
         figures::write(&staging, "figures".as_ref(), &[chart])?;
@@ -146,8 +150,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             points: &points,
         })?;
     } else {
-        print(&super::alarm(&headline::alarms(&points)))?;
-        print(&text(design.name(), &arguments.vary, &points))?;
+        common.shown.print(&super::alarm(&headline::alarms(&points)))?;
+        common
+            .shown
+            .print(&text(design.name(), &arguments.vary, &points, units))?;
         print(&format!("\n  {}\n", folder.join("sweep.html").display()))?;
     }
     Ok(status_of(&checks))
@@ -173,8 +179,8 @@ fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     }
 }
 
-fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
-    let levels = table::text(&tables::points(axes, points));
+fn text(name: &str, axes: &[Axis], points: &[SweptPoint], units: Units) -> String {
+    let levels = table::text(&tables::points(axes, points).in_units(units));
     let drawn = tables::over_draws(axes, points).map_or_else(String::new, |drawn| {
         format!(
             "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the \

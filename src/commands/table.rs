@@ -2,6 +2,7 @@
 
 use super::red::red;
 use crate::tables::{Cell, Column, Content, Table};
+use crate::units::Units;
 
 /// Formats a table with its legend.
 pub(super) fn text(table: &Table) -> String {
@@ -42,20 +43,28 @@ pub(super) fn text(table: &Table) -> String {
 
 /// A table with text in the first column and numbers in the others.
 pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
+    numbers(headings, rows, Units::Si)
+}
+
+/// The same table in these units.
+pub(super) fn numbers(headings: &[&str], rows: &[Vec<String>], units: Units) -> String {
     let columns = headings.iter().enumerate();
     let columns = columns.map(|(place, heading)| match place {
         0 => Column::words(*heading),
         _ => Column::number(*heading),
     });
-    text(&Table::new(columns, cells(rows)))
+    text(&Table::new(columns, cells(rows)).in_units(units))
 }
 
 /// A table of text.
 pub(super) fn texts(headings: &[&str], rows: &[Vec<String>]) -> String {
-    text(&Table::new(
-        headings.iter().map(|heading| Column::words(*heading)),
-        cells(rows),
-    ))
+    words(headings, rows, Units::Si)
+}
+
+/// The same table in these units.
+pub(super) fn words(headings: &[&str], rows: &[Vec<String>], units: Units) -> String {
+    let columns = headings.iter().map(|heading| Column::words(*heading));
+    text(&Table::new(columns, cells(rows)).in_units(units))
 }
 
 fn cells(rows: &[Vec<String>]) -> Vec<Vec<Cell>> {

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Status;
 use super::table::table;
-use super::{Common, Keeping, given_or_named, print, print_json, progress};
+use super::{Common, Keeping, given_or_named, print_json, progress};
 use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
@@ -116,8 +116,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         print_json(&result)?;
     } else {
         let lines = result.headline.as_ref().map(Headline::lines).unwrap_or_default();
-        print(&super::alarm(&lines))?;
-        print(&text(&result))?;
+        common.shown.print(&super::alarm(&lines))?;
+        common.shown.print(&text(&result))?;
     }
     Ok(Status::SUCCESS)
 }

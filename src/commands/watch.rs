@@ -11,7 +11,8 @@ use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
 use super::effects::Effects;
-use super::{Changes, Keeping, Memory, Threads, print, progress};
+use super::stage_words::in_words;
+use super::{Changes, Keeping, Memory, Shown, Threads, print, progress};
 use super::{Status, progress::note};
 use crate::artifacts::ReportedRun;
 use crate::cost;
@@ -43,6 +44,8 @@ pub(super) struct Arguments {
     changes: Changes,
     #[command(flatten)]
     keeping: Keeping,
+    #[command(flatten)]
+    shown: Shown,
     /// Serve the page at this address of the machine, for others on the network who have the address that is printed,
     /// with its token [default: this machine only]
     #[arg(long, value_name = "ADDRESS", value_parser = parse_address)]
@@ -152,13 +155,17 @@ impl Watching<'_> {
         let mut reported = ReportedRun::new(&graph, &design, &source)?;
         self.runs += 1;
         let mut shot = FinishedRun::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
+        let units = self.arguments.shown.units;
+        for (_, value) in &mut shot.values {
+            *value = units.text(value).into_owned();
+        }
         shot.sound = reported.sound_of_all().map(|own| {
             Arc::new(Sound {
                 wav: own.wav.clone(),
                 full_scale_pa: reported.run.microphones.report.full_scale_pa,
             })
         });
-        let [before, pinned] = self.board.show(shot.clone(), warnings, reported.page(&design));
+        let [before, pinned] = self.board.show(shot.clone(), warnings, reported.page(&design, units));
         let mut text = shot
             .headline
             .as_ref()
@@ -167,20 +174,20 @@ impl Watching<'_> {
         let other = pinned.filter(|own| own.from != shot.number && before.as_ref().is_none_or(|b| b.from != own.from));
         text.extend(before.iter().map(|own| changed(own, "")));
         text.extend(other.iter().map(|own| changed(own, ", pinned")));
-        print(&text)?;
+        self.arguments.shown.print(&text)?;
         if !self.board.has_sliders() {
             self.board.begin("which inputs matter");
             let effects = Effects::of(&graph, &design, false, progress)?;
             let keys = effects.inputs.into_iter().map(|own| own.key);
             // The rest of the sentence is about options of `check`.
             let basis = effects.basis.split(';').next().unwrap_or_default();
-            self.board.offer(Slider::of(&design, keys), basis);
+            self.board.offer(Slider::of(&design, keys, units), basis);
         }
         if source.awaits_screening(&design, &reported.run.result) {
             self.board.begin("how sure the levels are");
             let source = source.screened(&self.store, &design, progress);
             reported.state(&design, &source);
-            self.board.complete(reported.page(&design));
+            self.board.complete(reported.page(&design, units));
         }
         Ok(())
     }
@@ -279,7 +286,7 @@ impl Interested {
 impl Observer for Interested {
     fn stage(&self, name: &str) {
         self.look();
-        self.board.begin(name);
+        self.board.begin(in_words(name));
         self.terminal.stage(name);
     }
 

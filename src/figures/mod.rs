@@ -19,6 +19,7 @@ mod penetration;
 mod study;
 mod svg;
 pub(crate) mod ticks;
+mod units;
 
 use std::path::{Path, PathBuf};
 
@@ -43,6 +44,7 @@ pub(crate) use palette::{BLACK, PALETTE, hexadecimal, of_design};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
+pub use units::in_units;
 
 /// The charts of a shot's cycle; those of the tool of the keys end with [`energy()`].
 pub fn shot(subject: &str, design: &Values, shot: &ShotRecord) -> Vec<Chart> {

@@ -21,14 +21,14 @@ pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 ///
 /// # Errors
 /// The errors of the bodies' response.
-fn made(moving: &[BodyInMotion], events: &[EventTime], films: bool) -> Result<Fields, Error> {
+fn made(moving: &[BodyInMotion], events: &[EventTime], films: bool, slow_motion: u32) -> Result<Fields, Error> {
     let mut made = Fields::default();
     made.text("modes.csv", modes::modes(moving)?);
     for driven in moving {
         made.show(Frames::of(&Grid::of_surface(&driven.body.surface))?);
         fields::add(&mut made, driven, films);
         if films {
-            shot::add(&mut made, driven, events)?;
+            shot::add(&mut made, driven, events, slow_motion)?;
         }
     }
     Ok(made)
@@ -43,6 +43,8 @@ pub struct BodyFields {
     pub cycle: Stored<ShotRecord>,
     /// Whether the files include films of the shot and series over the bands.
     pub films: bool,
+    /// How many times slower than the shot the film at uniform steps plays.
+    pub slow_motion: u32,
 }
 
 impl Stage for BodyFields {
@@ -71,6 +73,6 @@ impl Stage for BodyFields {
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {
         let moving: Vec<BodyInMotion> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
-        made(&moving, &self.cycle.get()?.events, self.films)
+        made(&moving, &self.cycle.get()?.events, self.films, self.slow_motion)
     }
 }

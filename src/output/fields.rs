@@ -52,7 +52,7 @@ pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, film: bool) {
     }
     let of_band = |(nominal, levels): (&f64, &Vec<f32>)| {
         let values = Array::new("velocity exposure level [dB]", 1, levels);
-        (*nominal, format!("{nominal:05.0}"), values)
+        (*nominal, format!("{nominal:05.0}"), vec![values])
     };
     fields.series(&format!("{}-bands", body.name), bands().map(of_band).collect());
 }

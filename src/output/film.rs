@@ -74,12 +74,12 @@ impl Fields {
             .push((Path::new(FIELDS).join(path), Content::Frame { grid, fields }));
     }
 
-    /// Adds frames of one field over time or frequency, `NAME/*.vtu`, and `NAME.pvd`, which lists them.
-    pub(super) fn series(&mut self, name: &str, frames: Vec<(f64, String, Array)>) {
+    /// Adds frames of fields over time or frequency, `NAME/*.vtu`, and `NAME.pvd`, which lists them.
+    pub(super) fn series(&mut self, name: &str, frames: Vec<(f64, String, Vec<Array>)>) {
         let mut listed = Vec::with_capacity(frames.len());
         for (at, file, values) in frames {
             let path = format!("{name}/{file}.vtu");
-            self.frame(&path, vec![values]);
+            self.frame(&path, values);
             listed.push((at, path));
         }
         let list = Path::new(FIELDS).join(format!("{name}.pvd"));

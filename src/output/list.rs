@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 /// Every output of a run.
-pub const OUTPUTS: [Output; 24] = [
+pub const OUTPUTS: [Output; 25] = [
     result::RESULT,
     result::REPORT,
     ranking::RANKING,
@@ -27,6 +27,7 @@ pub const OUTPUTS: [Output; 24] = [
     body_fields::MODES,
     body_fields::FIELDS,
     paraview::SCRIPT,
+    paraview::FILM,
     radiation::TABLES,
     sensors::HISTORIES,
     sensors::SPECTRA,

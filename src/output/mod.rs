@@ -38,6 +38,7 @@ use serde::Serialize;
 use crate::design::Design;
 use crate::error::Error;
 use crate::run::Run;
+use crate::units::Units;
 
 pub use body_fields::BodyFields;
 pub use columns::{Column, columns, columns_of};
@@ -61,6 +62,10 @@ pub struct Exports {
     pub films: bool,
     /// All samples of histories.
     pub histories: bool,
+    /// Units of the report and of charts.
+    pub units: Units,
+    /// How many times slower than the shot its film plays.
+    pub slow_motion: u32,
 }
 
 /// An output of a run: a file, or the files of a folder.

@@ -1,4 +1,5 @@
-//! The shot as a film for ParaView: velocity of each body's surface at instants around the events.
+//! The shot as films for ParaView: velocity of each body's surface at instants around the events, and its motion at
+//! uniform steps.
 
 use nailnoise_dynamics::network::EventTime;
 use nailnoise_fem::vibration::{ModalResponse, Motion};
@@ -16,32 +17,83 @@ const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 /// Number of surface rows whose velocities are computed together.
 const ROWS: usize = 512;
 
-/// Adds `BODY-shot.pvd` and one `.vtu` per instant: the velocity vector \[m/s\] at every point of the surface.
-pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &[EventTime]) -> Result<(), Error> {
+/// Number of frames of the film at uniform steps.
+const FRAMES: usize = 120;
+
+/// The film after the last event \[s\], while the vibration fades.
+const FADING: f64 = 0.01;
+
+/// Adds `BODY-shot.pvd` and one `.vtu` per instant: the velocity vector \[m/s\] at every point of the surface. Adds
+/// `BODY-film.pvd` with displacement \[m\] and velocity at uniform steps from the first event on, whose times are those
+/// of the shot times `slow_motion`, so that ParaView plays it in real time that many times slower.
+pub(super) fn add(
+    fields: &mut Fields,
+    driven: &BodyInMotion,
+    events: &[EventTime],
+    slow_motion: u32,
+) -> Result<(), Error> {
+    let step = driven.vibration.response.step;
+    let around = instants(events, &driven.vibration.response);
+    let velocities = of_surface(driven, &around, Motion::Velocity)?;
+    let frames = around.iter().zip(velocities).enumerate();
+    let frames =
+        frames.map(|(frame, (sample, velocity))| (*sample as f64 * step, format!("{frame:03}"), vec![velocity]));
+    fields.series(&format!("{}-shot", driven.body.name), frames.collect());
+    let uniform = uniform(events, &driven.vibration.response);
+    let displacements = of_surface(driven, &uniform, Motion::Displacement)?;
+    let velocities = of_surface(driven, &uniform, Motion::Velocity)?;
+    let start = uniform.first().copied().unwrap_or_default();
+    let frames = uniform
+        .iter()
+        .zip(displacements.into_iter().zip(velocities))
+        .enumerate();
+    let frames = frames.map(|(frame, (sample, (displacement, velocity)))| {
+        let time = (*sample - start) as f64 * step * f64::from(slow_motion);
+        (time, format!("{frame:03}"), vec![displacement, velocity])
+    });
+    fields.series(&format!("{}-film", driven.body.name), frames.collect());
+    Ok(())
+}
+
+/// A vector of the motion at every point of the surface, for each of these samples.
+fn of_surface(driven: &BodyInMotion, samples: &[usize], motion: Motion) -> Result<Vec<Array>, Error> {
     let (response, skin) = (&*driven.vibration.response, &driven.body.skin);
-    let samples = instants(events, response);
-    let mut velocities = response.at(driven.index, &samples, Motion::Velocity)?;
+    let mut amplitudes = response.at(driven.index, samples, motion)?;
     if let Some(coordinates) = &driven.vibration.coordinates[driven.index] {
-        velocities = coordinates * velocities;
+        amplitudes = coordinates * amplitudes;
     }
-    let amplitudes = velocities.map(|v| v as f32);
+    let amplitudes = amplitudes.map(|own| own as f32);
     let rows = skin.nrows();
     let starts: Vec<usize> = (0..rows).step_by(ROWS).collect();
-    let velocities: Vec<DMatrix<f32>> = starts
+    let parts: Vec<DMatrix<f32>> = starts
         .into_par_iter()
         .map(|first| skin.rows(first, ROWS.min(rows - first)) * &amplitudes)
         .collect();
-    let frame = |(frame, sample): (usize, &usize)| {
-        let mut values = Vec::with_capacity(rows);
-        velocities
-            .iter()
-            .for_each(|part| values.extend(part.column(frame).iter()));
-        let values = Array::new("velocity [m/s]", 3, &values);
-        (*sample as f64 * response.step, format!("{frame:03}"), values)
+    let name = match motion {
+        Motion::Displacement => "displacement [m]",
+        Motion::Velocity => "velocity [m/s]",
+        Motion::Acceleration => "acceleration [m/s2]",
     };
-    let frames = samples.par_iter().enumerate().map(frame).collect();
-    fields.series(&format!("{}-shot", driven.body.name), frames);
-    Ok(())
+    let frame = |frame: usize| {
+        let mut values = Vec::with_capacity(rows);
+        parts.iter().for_each(|part| values.extend(part.column(frame).iter()));
+        Array::new(name, 3, &values)
+    };
+    Ok((0..samples.len()).into_par_iter().map(frame).collect())
+}
+
+/// At most [`FRAMES`] samples at one distance, from the first event until the vibration fades after the last.
+fn uniform(events: &[EventTime], response: &ModalResponse) -> Vec<usize> {
+    let times = || events.iter().filter_map(|event| event.time);
+    let (first, last) = (
+        times().fold(f64::INFINITY, f64::min),
+        times().fold(0.0, f64::max) + FADING,
+    );
+    let sample = |time: f64| (time.max(0.0) / response.step) as usize;
+    let end = sample(last).min(response.samples() - 1);
+    let start = sample(if first.is_finite() { first } else { 0.0 }).min(end);
+    let stride = (end - start).div_ceil(FRAMES - 1).max(1);
+    (start..=end).step_by(stride).collect()
 }
 
 /// Samples of the response around the events, ascending and without repetition.

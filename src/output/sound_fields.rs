@@ -67,7 +67,7 @@ pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf>
 fn films_in(folder: &Path) -> Vec<PathBuf> {
     let fields = Path::new(FIELDS);
     let bodies = BodyKind::ALL.into_iter().map(BodyKind::name);
-    let films = bodies.flat_map(|body| ["shot", "bands"].map(|film| format!("{body}-{film}")));
+    let films = bodies.flat_map(|body| ["shot", "film", "bands"].map(|film| format!("{body}-{film}")));
     let paths = films.flat_map(|film| [fields.join(format!("{film}.pvd")), fields.join(film)]);
     paths.filter(|path| folder.join(path).exists()).collect()
 }

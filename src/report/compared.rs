@@ -12,19 +12,26 @@ use crate::comparison::{Comparison, Labelled, Levels, SourceRow};
 use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape, from_event, of_design};
 use crate::study::PairedStudy;
 use crate::tables::{dash, study::changes};
+use crate::units::Units;
 use crate::wording;
 
 /// Range of levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
-pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> Page {
+/// `identity` identifies the compared files.
+pub(super) fn page(
+    c: &Comparison,
+    paired: &[PairedStudy],
+    (identity, units): (&str, Units),
+    recordings: &[Recording],
+) -> Page {
     let mut sections = vec![
         Section::new(
             "levels",
             "Levels",
-            html! { (markup(&overview(c, paired))) (levels(c, paired)) },
+            html! { (markup(&overview(c, paired))) (levels(c, paired, units)) },
         ),
-        Section::new("differences", "Differences", inputs(c)),
+        Section::new("differences", "Differences", inputs(c, units)),
     ];
     if !recordings.is_empty() {
         sections.push(Section::new("listen", "Listen", sound::players(recordings)));
@@ -44,7 +51,7 @@ pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recor
         "Between events",
         charts(&|row| labelled(c, row, "intervals", &row.intervals)),
     ));
-    sections.push(Section::new("shot", "The shot", shot(c)));
+    sections.push(Section::new("shot", "The shot", shot(c, units)));
     Page {
         title: format!("{}: compared", c.designs.join(", ")),
         compared: Some(identity.to_owned()),
@@ -304,10 +311,13 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
     ))
 }
 
-fn levels(c: &Comparison, paired: &[PairedStudy]) -> Markup {
+fn levels(c: &Comparison, paired: &[PairedStudy], units: Units) -> Markup {
     html! {
         (table::markup(&c.level_table()))
-        @if let Some(performance) = c.performance_table() { h3 { "What it costs" } (table::markup(&performance)) }
+        @if let Some(performance) = c.performance_table() {
+            h3 { "What it costs" }
+            (table::markup(&performance.in_units(units)))
+        }
         @if paired.is_empty() {
             p.quiet { "How sure a level is depends on the values of its design first: "
                 code { "nailnoise compare --draws" } " states the interval of each change." }
@@ -332,16 +342,16 @@ fn levels(c: &Comparison, paired: &[PairedStudy]) -> Markup {
     }
 }
 
-fn inputs(c: &Comparison) -> Markup {
+fn inputs(c: &Comparison, units: Units) -> Markup {
     html! {
         @if c.inputs.is_empty() { p { "None: the designs have the same values." } }
-        @else { (table::markup(&c.input_table())) }
+        @else { (table::markup(&c.input_table().in_units(units))) }
     }
 }
 
-fn shot(c: &Comparison) -> Markup {
+fn shot(c: &Comparison, units: Units) -> Markup {
     html! {
-        (table::markup(&c.shot_table()))
+        (table::markup(&c.shot_table().in_units(units)))
         p.quiet { "Figures and events that are equal in all designs are not listed." }
     }
 }

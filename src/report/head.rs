@@ -8,13 +8,10 @@ use super::tables;
 use super::typography::{capitalised, with_code, with_subscripts};
 use crate::design::{Design, Value};
 use crate::model::supports;
-use crate::result::{Ends, RankedSource, RunResult, StudySummary};
+use crate::result::{Ends, RankedSource, RunResult, StudySummary, pressures};
 use crate::stages::headline::Headline;
 use crate::study::legend;
 use crate::tables::run::without;
-
-/// Pressure of 1 psi \[Pa\].
-const PSI: f64 = 6894.757;
 
 /// The heading: the title given by the design, or its name.
 pub(super) fn heading(design: &Design) -> String {
@@ -174,10 +171,7 @@ fn given(design: &Design) -> Markup {
     );
     let facts = [
         ("tool", design.name().to_owned()),
-        (
-            "supply pressure",
-            format!("{:.0} kPa, {:.0} psi gauge", 1e-3 * supply, (supply - ambient) / PSI),
-        ),
+        ("supply pressure", pressures(supply, ambient)),
         ("nail", nail),
         ("wood, block", wood),
         ("support", supports::of(design).name()),

@@ -55,6 +55,7 @@ use crate::stages::{Code, Postcard, Progress, Stage, code};
 use crate::study::{Axis, PairedStudy, StudyResult, SweptPoint};
 use crate::tables::cycle::figures as figures_of;
 use crate::tables::run as run_tables;
+use crate::units::Units;
 use crate::virtual_test::comparison::MeasuredComparison;
 
 pub(crate) use head::missed as missed_shot;
@@ -155,10 +156,10 @@ impl Stage for BodyPictures {
 
 /// The report of a run, with the pictures and sounds that belong to it. It begins with a summary, followed by an
 /// appendix.
-pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> String {
+pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording], units: Units) -> String {
     let (result, subject) = (&run.result, run.result.design.name.as_str());
     let value = serde_json::to_value(result).unwrap_or_default();
-    let mut levels = figures::levels(subject, result);
+    let mut levels = figures::in_units(figures::levels(subject, result), units);
     let mut more = levels.iter_mut().find_map(more_panels);
     for (chart, weighting) in levels
         .first_mut()
@@ -172,9 +173,9 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     let intervals = place.map(|place| levels.remove(place));
     let loud = events::loudest(result);
     let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
-    let mut cycle = figures::shot(subject, design, &run.record);
+    let mut cycle = figures::in_units(figures::shot(subject, design, &run.record), units);
     let energy = cycle.pop_if(|chart| chart.name == "energy");
-    let power = figures::power(subject, &run.record, &run.powers);
+    let power = figures::power(subject, &run.record, &run.powers).in_units(units);
     let mut sections = vec![
         Section::new("ranking", "Ranking", ranking(result)),
         Section::new(
@@ -254,7 +255,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         lead: head::lead(design, result),
         sections,
     }
-    .html()
+    .html(units)
 }
 
 /// Removes all panels but the first from a chart and returns them as a separate chart.
@@ -280,18 +281,18 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
 }
 
 /// The report of a study, with these charts.
-pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
-    study::page(result, charts, scatter).html()
+pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart], units: Units) -> String {
+    study::page(result, charts, scatter).html(units)
 }
 
 /// The page of a calibration, with these charts.
 pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
-    calibration::page(result, charts).html()
+    calibration::page(result, charts).html(Units::Si)
 }
 
 /// The page of an optimisation with these charts; `reports` are the files of the designs of its front, if any.
-pub fn optimised(found: &Optimisation, charts: &[figures::Chart], reports: &[Option<String>]) -> String {
-    optimised::page(found, charts, reports).html()
+pub fn optimised(found: &Optimisation, charts: &[figures::Chart], reports: &[Option<String>], units: Units) -> String {
+    optimised::page(found, charts, reports, units).html(units)
 }
 
 /// Figures of a shot: those of the tool of the keys in plain words, those of an assembly by their names.
@@ -303,29 +304,35 @@ fn figures_of_shot(run: &Run, value: &serde_json::Value) -> maud::Markup {
 }
 
 /// The page of a sweep with its chart.
-pub fn swept(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &figures::Chart) -> String {
-    swept::page(design, axes, points, chart).html()
+pub fn swept(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &figures::Chart, units: Units) -> String {
+    swept::page(design, axes, points, chart, units).html(units)
 }
 
 /// The page of predictions next to measurements.
-pub fn measured(comparison: &MeasuredComparison) -> String {
-    measured::page(comparison).html()
+pub fn measured(comparison: &MeasuredComparison, units: Units) -> String {
+    measured::page(comparison).html(units)
 }
 
 /// The page of a wrapping test, with these charts.
 pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> String {
-    measurement::page(result, charts).html()
+    measurement::page(result, charts).html(Units::Si)
 }
 
 /// The report of a comparison. `identity` identifies the files compared; the report includes the changes over common
 /// draws, if any, and a sound for each design that has one.
-pub fn comparison(comparison: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> String {
-    compared::page(comparison, paired, identity, recordings).html()
+pub fn comparison(
+    comparison: &Comparison,
+    paired: &[PairedStudy],
+    identity: &str,
+    recordings: &[Recording],
+    units: Units,
+) -> String {
+    compared::page(comparison, paired, (identity, units), recordings).html(units)
 }
 
 /// The declaration sheet of a finished result, for a use of the tool.
 pub fn declaration(of: &declaration::Finished, usage: declaration::Use) -> String {
-    sheet::page(of, usage).html()
+    sheet::page(of, usage).html(Units::Si)
 }
 
 fn ranking(result: &RunResult) -> Markup {

@@ -12,19 +12,39 @@ use crate::tables::{Cell, Column, Table};
 const LISTED: usize = 15;
 const DRAWN: usize = 6;
 
+/// All modes as indices of their body and in its basis, loudest first.
+fn by_level(bodies: &[ColouredSurface<'_>]) -> Vec<(usize, usize)> {
+    let modes =
+        |(body, painted): (usize, &ColouredSurface<'_>)| (0..painted.body.basis.hz.len()).map(move |mode| (body, mode));
+    let mut modes: Vec<(usize, usize)> = bodies.iter().enumerate().flat_map(modes).collect();
+    let energy = |own: &(usize, usize)| bodies[own.0].modes[own.1];
+    modes.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
+    modes
+}
+
+/// The modes that are drawn, as indices of their body and in its basis.
+pub(super) fn drawn(bodies: &[ColouredSurface<'_>]) -> Vec<(usize, usize)> {
+    let mut modes = by_level(bodies);
+    modes.truncate(DRAWN);
+    modes
+}
+
+/// The frequency of a mode, or that it is rigid.
+fn name(painted: &ColouredSurface<'_>, mode: usize) -> String {
+    match painted.body.basis.rigid[mode] {
+        true => "rigid".to_owned(),
+        false => format!("{:.0} Hz", painted.body.basis.hz[mode]),
+    }
+}
+
+/// A mode in words: `workpiece, mode 12, 843 Hz`.
+pub(super) fn title(painted: &ColouredSurface<'_>, mode: usize) -> String {
+    format!("{}, mode {}, {}", painted.body.name, mode + 1, name(painted, mode))
+}
+
 pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
-    let mut modes: Vec<(&ColouredSurface<'_>, usize)> = bodies
-        .iter()
-        .flat_map(|painted| (0..painted.body.basis.hz.len()).map(move |mode| (painted, mode)))
-        .collect();
-    modes.sort_by(|a, b| b.0.modes[b.1].total_cmp(&a.0.modes[a.1]));
-    let name = |painted: &ColouredSurface<'_>, mode: usize| -> String {
-        if painted.body.basis.rigid[mode] {
-            "rigid".to_owned()
-        } else {
-            format!("{:.0} Hz", painted.body.basis.hz[mode])
-        }
-    };
+    let modes = by_level(bodies);
+    let modes: Vec<(&ColouredSurface<'_>, usize)> = modes.iter().map(|(body, mode)| (&bodies[*body], *mode)).collect();
     let drawn = &modes[..DRAWN.min(modes.len())];
     let pictures: Vec<String> = drawn
         .par_iter()
@@ -48,13 +68,14 @@ pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
              Modes act \
              together, so that these levels do not sum to the source\u{2019}s."
         }
-        div.pictures { @for ((painted, mode), picture) in drawn.iter().zip(&pictures) {
+        div.pictures { @for (place, ((painted, mode), picture)) in drawn.iter().zip(&pictures).enumerate() {
             figure {
                 img src=(picture) width="480" height="330"
                     alt={ "deflection of the " (painted.body.name) " in mode " (mode + 1) ", " (name(painted, *mode)) };
                 figcaption {
                     (painted.body.name) ", mode " (mode + 1) ", " b { (name(painted, *mode)) } br;
-                    (decibels(level(painted.modes[*mode]))) " dB alone"
+                    (decibels(level(painted.modes[*mode]))) " dB alone "
+                    button.with-script.in-space type="button" data-mode=(place) { "Animate" }
                 }
             }
         } }

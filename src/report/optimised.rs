@@ -9,9 +9,10 @@ use crate::figures::Chart;
 use crate::optimisation::{Domain, Optimisation, Trial, Variable, is_level};
 use crate::result::TOTAL;
 use crate::tables::{decibels, optimisation as tables};
+use crate::units::Units;
 use crate::wording;
 
-pub(super) fn page(found: &Optimisation, charts: &[Chart], reports: &[Option<String>]) -> Page {
+pub(super) fn page(found: &Optimisation, charts: &[Chart], reports: &[Option<String>], units: Units) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
     let sections = vec![
         Section::new(
@@ -19,7 +20,7 @@ pub(super) fn page(found: &Optimisation, charts: &[Chart], reports: &[Option<Str
             "Best designs",
             html! {
                 @if let Some(c) = chart("front") { (c) }
-                (table::markup(&tables::best(found, reports)))
+                (table::markup(&tables::best(found, reports).in_units(units)))
                 p.quiet { "Levels are A-weighted single-event sound power levels, dB re 1 pW s, of single values. "
                     code { "nailnoise compare --draws" } " states how sure the change is." }
             },
@@ -39,7 +40,7 @@ pub(super) fn page(found: &Optimisation, charts: &[Chart], reports: &[Option<Str
             html! {
                 details {
                     summary { (found.trials.len()) " candidates" }
-                    (table::markup(&tables::candidates(found)))
+                    (table::markup(&tables::candidates(found).in_units(units)))
                 }
             },
         ),

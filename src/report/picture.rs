@@ -9,7 +9,7 @@ use crate::stages::bodies::Body;
 const SIZE: [usize; 2] = [480, 330];
 
 /// Largest displacement as a fraction of the body's diagonal: visible, but without folding the surface.
-const AMPLITUDE: f64 = 0.06;
+pub(super) const AMPLITUDE: f64 = 0.06;
 
 /// The picture as a data URL; the colour shows the displacement at the centre of a face relative to the largest.
 pub(super) fn mode(body: &Body, mode: usize) -> String {

@@ -7,8 +7,9 @@ use maud::{Markup, PreEscaped, html};
 use nailnoise_acoustics::signals::octaves;
 use serde_json::json;
 
-use super::raster::{self, Triangle, picture, scale};
+use super::raster::{self, Triangle, scale};
 use super::surface::{ColouredSurface, level};
+use super::{modes, picture};
 
 /// Range of levels shown below the highest \[dB\].
 const SHOWN: f64 = 30.0;
@@ -22,6 +23,9 @@ const COVERED: [f64; 3] = [200.0, 200.0, 200.0];
 /// Number of steps of the levels and of the coordinates in the data of the page.
 const LEVEL_STEPS: f64 = 255.0;
 const PLACE_STEPS: f64 = 30_000.0;
+
+/// Number of steps of the largest displacement of a mode.
+const MOTION_STEPS: f32 = 127.0;
 
 /// A triangulated surface: corners of the triangles and the face of each, free faces first.
 struct Triangles<'a> {
@@ -72,11 +76,20 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
         names.join(", ")
     );
     // The data contain only numbers, so nothing in them can end the enclosing element.
-    let data = data(&surfaces, &views).to_string().replace('<', "\\u003c");
+    let data = data(&surfaces, &views, &modes::drawn(bodies))
+        .to_string()
+        .replace('<', "\\u003c");
     Some(html! {
         figure.scene {
-            div.choice { label { "Shown " select.view { @for (index, view)
-                in views.iter().enumerate() { option value=(index) { (view.label) } } } } }
+            div.choice {
+                label { "Shown " select.view { @for (index, view)
+                    in views.iter().enumerate() { option value=(index) { (view.label) } } } }
+                " "
+                label.in-space { "Mode " select.mode { option value="" { "none" } @for (index, (body, mode))
+                    in modes::drawn(bodies).into_iter().enumerate() {
+                        option value=(index) { (modes::title(&bodies[body], mode)) } } } }
+                " " button.play type="button" hidden { "Play" }
+            }
             div.stage { img src=(image) width=(SIZE[0]) height=(SIZE[1]) alt=(alternative); }
             div.scale { span.low { (format!("{:.0}", views[0].high - SHOWN)) } i {}
                 span.high { (format!("{:.0}", views[0].high)) } " dB re 1 pW s/m\u{b2}" output {} }
@@ -85,7 +98,8 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
                  radiation \
                  efficiency 1, whatever the method of the ranking; how much of it leaves as sound is there. Taken over "
                 (ranges(bodies)) "; octaves are cut at these ends. Grey faces are covered and do not radiate. "
-                span.with-script { "Drag to turn (or the arrow keys), scroll with Ctrl or pinch to come closer." }
+                span.with-script { "Drag to turn (or the arrow keys), scroll with Ctrl or pinch to come closer. Modes \
+                    move far more than in the shot." }
             }
             script type="application/json" { (PreEscaped(data)) }
         }
@@ -161,12 +175,12 @@ fn image(surfaces: &[Triangles<'_>], view: &View) -> String {
             },
         }));
     }
-    picture(&triangles, SIZE)
+    raster::picture(&triangles, SIZE)
 }
 
-/// Points in integer steps, corners of triangles, and levels of the free faces for each view, as base64 of
-/// little-endian numbers.
-fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
+/// Points in integer steps, corners of triangles, levels of the free faces for each view, and displacements of modes,
+/// as base64 of little-endian numbers.
+fn data(surfaces: &[Triangles<'_>], views: &[View], modes: &[(usize, usize)]) -> serde_json::Value {
     let reach = surfaces
         .iter()
         .flat_map(|surface| {
@@ -208,6 +222,28 @@ fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
         "step": step, "shown": SHOWN, "bodies": bodies, "colours": raster::COLOURS,
             "axes": raster::view().transpose().as_slice(),
         "views": views.iter().map(|view| view.high).collect::<Vec<_>>(),
+        "modes": modes.iter().map(|(body, mode)| motion(*body, &surfaces[*body], *mode, step)).collect::<Vec<_>>(),
+    })
+}
+
+/// Displacement of a body's points in a mode: the largest in steps of the points, and each relative to it.
+fn motion(body: usize, surface: &Triangles<'_>, mode: usize, step: f64) -> serde_json::Value {
+    let painted = surface.painted;
+    let shape = painted.body.skin.column(mode);
+    let used = surface.used();
+    let moves: Vec<[f32; 3]> = used
+        .iter()
+        .map(|&point| [0, 1, 2].map(|axis| shape[3 * point + axis]))
+        .collect();
+    let size = |own: &[f32; 3]| own.iter().map(|value| value * value).sum::<f32>().sqrt();
+    let largest = moves.iter().map(size).fold(f32::MIN_POSITIVE, f32::max);
+    let share = |value: &f32| (MOTION_STEPS * value / largest).round() as i8;
+    let shares = moves.iter().flatten().map(|value| share(value).cast_unsigned());
+    let (low, high) = painted.body.mesh.bounds();
+    json!({
+        "body": body,
+        "reach": picture::AMPLITUDE * (high - low).norm() / step,
+        "shape": STANDARD.encode(shares.collect::<Vec<u8>>()),
     })
 }
 

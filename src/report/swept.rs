@@ -10,15 +10,16 @@ use crate::figures::Chart;
 use crate::headline::alarms;
 use crate::study::{Axis, SweptPoint};
 use crate::tables::{decibels, sweep as tables};
+use crate::units::Units;
 
-pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &Chart) -> Page {
+pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &Chart, units: Units) -> Page {
     let keys: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
     let mut sections = vec![
         Section::new("trend", "Trend", markup(chart)),
         Section::new(
             "points",
             "Points",
-            html! { (table::markup(&tables::points(axes, points)))
+            html! { (table::markup(&tables::points(axes, points).in_units(units)))
             p.quiet { "A-weighted single-event sound power levels, dB re 1 pW s." } },
         ),
     ];

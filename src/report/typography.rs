@@ -5,7 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::figures::subscripts;
 
 /// Characters in the terminal, and their typeset form on a page.
-const TYPESET: [(&str, &str); 11] = [
+const TYPESET: [(&str, &str); 12] = [
     ("+-", "\u{b1}"),
     ("<= ", "\u{2264} "),
     (">= ", "\u{2265} "),
@@ -15,6 +15,7 @@ const TYPESET: [(&str, &str); 11] = [
     ("mm2", "mm\u{b2}"),
     ("cm3", "cm\u{b3}"),
     ("/m3", "/m\u{b3}"),
+    (" ft3", " ft\u{b3}"),
     (" um", " \u{b5}m"),
     (" -> ", " \u{2192} "),
 ];

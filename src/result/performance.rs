@@ -72,6 +72,15 @@ pub(crate) fn head(depth_m: f64) -> String {
     format!("head {:.1} mm {side}", 1e3 * depth_m.abs())
 }
 
+/// Text for a pressure, from the absolute one and that of the air around \[Pa\]: `763 kPa absolute, 662 kPa gauge`.
+pub(crate) fn pressures(absolute: f64, ambient: f64) -> String {
+    format!(
+        "{:.0} kPa absolute, {:.0} kPa gauge",
+        1e-3 * absolute,
+        1e-3 * (absolute - ambient)
+    )
+}
+
 /// A figure of [`Performance`] for a table.
 pub(crate) struct PerformanceFigure {
     /// Its name.

@@ -74,12 +74,17 @@ impl Fastener {
     }
 
     /// Length \[m\].
-    pub(super) fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.number("nail.length").unwrap_or(0.0)
     }
 
+    /// Diameter of the shank \[m\].
+    pub(crate) fn diameter(&self) -> f64 {
+        self.number("nail.diameter").unwrap_or(0.0)
+    }
+
     /// Its name, or its dimensions.
-    pub(super) fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         match self {
             Self::Named(named) => named.name.to_owned(),
             Self::Size { length, diameter } => {

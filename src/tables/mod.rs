@@ -11,6 +11,7 @@ pub(crate) mod optimisation;
 pub(crate) mod run;
 pub(crate) mod study;
 pub(crate) mod sweep;
+mod units;
 
 /// A table with a legend.
 #[derive(Debug, Clone, PartialEq, Default)]

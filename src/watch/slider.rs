@@ -8,6 +8,7 @@ use nailnoise_quantities::Dimension;
 use serde::Serialize;
 
 use crate::design::{Assignment, Design, Value};
+use crate::units::{Conversion, Units};
 
 /// Maximum number of sliders on the page.
 const MOST: usize = 8;
@@ -31,8 +32,8 @@ pub struct Slider {
 }
 
 impl Slider {
-    /// Sliders for the first of these keys that have a range in the design.
-    pub fn of(design: &Design, keys: impl Iterator<Item = String>) -> Vec<Self> {
+    /// Sliders for the first of these keys that have a range in the design, in these units.
+    pub fn of(design: &Design, keys: impl Iterator<Item = String>, units: Units) -> Vec<Self> {
         let entries = design.entries();
         let slider = |key: String| {
             let entry = entries.iter().find(|entry| entry.key == key)?;
@@ -46,6 +47,10 @@ impl Slider {
             let [low, high] = range.map(|end| end * factor);
             // A value outside its range is shown at the end of the slider.
             let value = value * factor;
+            let (low, high, value, unit) = match Self::conversion(units, &unit, high) {
+                Some(own) => (own.of(low), own.of(high), own.of(value), own.unit.to_owned()),
+                None => (low, high, value, unit),
+            };
             Some(Self {
                 key,
                 range: [low.min(value), high.max(value)],
@@ -55,6 +60,12 @@ impl Slider {
             })
         };
         keys.filter_map(slider).take(MOST).collect()
+    }
+
+    /// The conversion to a unit that a design file can have.
+    fn conversion(units: Units, unit: &str, largest: f64) -> Option<Conversion> {
+        let own = units.conversion(unit, largest.abs())?;
+        Dimension::of_unit(own.unit).is_ok().then_some(own)
     }
 
     /// The assignment of a value within the range; `None` for other values.
@@ -110,6 +121,7 @@ mod tests {
         Slider::of(
             &Design::load(SHIPPED).unwrap(),
             keys.iter().map(|key| (*key).to_owned()),
+            Units::Si,
         )
     }
 
@@ -131,7 +143,7 @@ mod tests {
         let own = &sliders(&["piston.mass"])[0];
         let [low, high] = own.range;
         let design = Design::load_with(SHIPPED, &[own.assign(high).unwrap()]).unwrap();
-        let again = &Slider::of(&design, ["piston.mass".to_owned()].into_iter())[0];
+        let again = &Slider::of(&design, ["piston.mass".to_owned()].into_iter(), Units::Si)[0];
         assert!((again.value / high - 1.0).abs() < 1e-9, "{again:?}");
         assert_eq!(own.assign(low - 0.1 * (high - low)), None);
         assert_eq!(own.assign(f64::NAN), None);

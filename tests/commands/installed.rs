@@ -82,6 +82,11 @@ fn completions_are_installed_where_the_shell_looks() {
         assert_eq!(written, printed(&alone(&folder, &["completions", shell])));
         // Bash and zsh write options with their hyphens, fish without.
         assert!(written.contains("watch") && written.contains("threads"), "{shell}");
+        // Words of `--set`, and of `init --from`.
+        assert!(
+            written.contains("supply.pressure=") && written.contains("n80cb-sandbox"),
+            "{shell}"
+        );
     }
 }
 
@@ -109,7 +114,14 @@ fn every_command_has_a_manual_page() {
         page,
         fs::read_to_string(pages.join("nailnoise-penetration-fit.1")).unwrap()
     );
-    assert!(page.contains("Examples:"), "{page}");
+    for part in [
+        ".SH EXAMPLES",
+        "nailnoise penetration fit",
+        ".SH \"EXIT STATUS\"",
+        "a numerical check failed",
+    ] {
+        assert!(page.contains(part), "{part}: {page}");
+    }
     assert_eq!(alone(&folder, &["manual", "nothing"]).status.code(), Some(2));
 }
 

@@ -27,5 +27,6 @@ mod run;
 mod structures;
 mod study;
 mod sweep;
+mod units;
 mod verify;
 mod watch;

@@ -170,6 +170,36 @@ def scene(page: Page, report: Path, picture: Path) -> None:
     assert before != canvas.screenshot(), f"{report}: the view does not change"
     page.locator(".view").select_option("1")
     page.keyboard.press("Escape")
+    oscillate(page, report, picture)
+
+
+def oscillate(page: Page, report: Path, picture: Path) -> None:
+    """A mode is shown at its largest displacement, and moves on a button only; none at all is the beginning."""
+    canvas, swing = page.locator(".scene canvas"), "window.nailnoise.swing()"
+    assert page.evaluate(swing) == 0 and page.locator(".scene .play").is_hidden(), f"{report}: a mode moves unasked"
+    rest = canvas.screenshot()
+    page.locator(".scene .mode").select_option("0")
+    page.wait_for_timeout(200)
+    largest = page.evaluate(swing)
+    assert largest > 0 and canvas.screenshot(path=picture.with_stem(f"{picture.stem}-mode")) != rest, f"{report}: no mode is shown"
+    page.locator(".scene .play").click()
+    page.wait_for_timeout(400)
+    seen = {round(page.evaluate(swing)) for _ in range(8) if page.wait_for_timeout(60) is None}
+    assert len(seen) > 2 and max(map(abs, seen)) <= largest + 1, f"{report}: the mode does not oscillate: {seen}"
+    page.locator(".scene .play").click()
+    page.locator(".scene .mode").select_option("")
+    page.wait_for_timeout(200)
+    assert page.evaluate(swing) == 0
+    page.emulate_media(reduced_motion="reduce")
+    page.locator("button[data-mode]").nth(1).click()
+    page.wait_for_timeout(400)
+    still = page.evaluate(swing)
+    page.wait_for_timeout(200)
+    assert still != 0 and page.evaluate(swing) == still, f"{report}: a mode moves although motion is unwelcome"
+    page.locator(".scene .play").click()
+    assert page.evaluate(swing) == -still
+    page.emulate_media(reduced_motion="no-preference")
+    page.locator(".scene .mode").select_option("")
 
 
 def listen(page: Page, report: Path) -> int:

@@ -8,8 +8,8 @@ use std::{env, fs, io};
 use super::entry::{Damage, is_file, is_name, is_own, renew};
 use super::error::{Obstacle, StoreError};
 
-/// Default limit on the total size of the entries: 4 GiB.
-pub const LIMIT: u64 = 4 << 30;
+/// Default limit on the total size of the entries: 2 GB.
+pub const LIMIT: u64 = 2_000_000_000;
 
 /// Largest expected clock difference between machines that share a folder.
 const AHEAD: Duration = Duration::from_secs(3600);

@@ -11,8 +11,8 @@ use nailnoise_quantities::dimension::NUMBER;
 use serde::Serialize;
 
 use crate::atomic_write;
-use crate::commands::table::texts;
-use crate::commands::{Status, folder_of, print, print_json};
+use crate::commands::table::words;
+use crate::commands::{Shown, Status, folder_of, print, print_json};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::design::quantity_in_words;
 use crate::drawing;
@@ -37,7 +37,12 @@ struct Table {
     rows: Vec<Vec<String>>,
 }
 
-pub(in crate::commands) fn execute(tool: &AssembledTool, path: &Path, json: bool) -> Result<Status, Error> {
+pub(in crate::commands) fn execute(
+    tool: &AssembledTool,
+    path: &Path,
+    json: bool,
+    shown: Shown,
+) -> Result<Status, Error> {
     let assembly = &tool.resolved.assembly;
     let tables = tables(tool);
     let states = states(assembly);
@@ -59,7 +64,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, path: &Path, json: bool
         states.join(", ")
     );
     for table in tables.iter().filter(|table| !table.rows.is_empty()) {
-        text.push_str(&format!("\n{}", texts(&table.headings, &table.rows)));
+        text.push_str(&format!("\n{}", words(&table.headings, &table.rows, shown.units)));
     }
     let sound = match tool.has_design {
         true => format!("`nailnoise run {}` ranks its sources", path.display()),
@@ -69,7 +74,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, path: &Path, json: bool
         "\n  `nailnoise cycle {}` computes its cycle; {sound}; --drawing draws the network\n",
         path.display()
     ));
-    print(&text)?;
+    shown.print(&text)?;
     Ok(Status::SUCCESS)
 }
 

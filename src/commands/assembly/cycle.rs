@@ -7,12 +7,13 @@ use nailnoise_quantities::Check;
 use serde::Serialize;
 
 use crate::atomic_write::AtomicWrite;
-use crate::commands::{Status, given_or_named, print, print_json, progress, status_of, table};
+use crate::commands::{Shown, Status, given_or_named, print, print_json, progress, status_of, table};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
 use crate::output::{self, Exports};
 use crate::tables::{self, fixed};
+use crate::units::Units;
 
 /// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "events.csv";
@@ -25,6 +26,7 @@ pub(in crate::commands) struct Asked<'a> {
     pub(in crate::commands) out: Option<&'a Path>,
     pub(in crate::commands) json: bool,
     pub(in crate::commands) figures: bool,
+    pub(in crate::commands) shown: Shown,
 }
 
 /// Layout of `cycle --json` of an assembly.
@@ -56,7 +58,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     let mut drawn = Vec::new();
     if !asked.json || asked.out.is_some() || asked.figures {
         progress.stage("writing files");
-        drawn = write(&folder, tool, &record, asked.figures)?;
+        drawn = write(&folder, tool, &record, asked.figures.then_some(asked.shown.units))?;
     }
     progress.end();
     let status = status_of(&record.checks);
@@ -78,7 +80,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     if asked.json {
         print_json(&result)?;
     } else {
-        print(&text(tool, &record))?;
+        asked.shown.print(&text(tool, &record, asked.shown.units))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
         for file in &drawn {
             print(&format!("  {}\n", file.display()))?;
@@ -87,8 +89,8 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     Ok(status)
 }
 
-/// Writes the tables and, if requested, the charts; returns the files of the charts.
-fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
+/// Writes the tables and, if units are given, the charts in them; returns the files of the charts.
+fn write(folder: &Path, tool: &AssembledTool, record: &Record, charts: Option<Units>) -> Result<Vec<PathBuf>, Error> {
     let staging = AtomicWrite::within(folder)?;
     for file in output::of_network(
         record,
@@ -99,11 +101,9 @@ fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: boo
     )? {
         staging.write(&file.path, &file.content)?;
     }
-    let charts = if with_figures {
-        figures::network(&headline(tool, record), record)
-    } else {
-        Vec::new()
-    };
+    let charts = charts.map_or_else(Vec::new, |units| {
+        figures::in_units(figures::network(&headline(tool, record), record), units)
+    });
     let drawn = figures::write(&staging, Path::new("figures"), &charts)?;
     staging.place(&[], Path::new(LAST))?;
     Ok(drawn.iter().map(|file| folder.join(file)).collect())
@@ -118,11 +118,11 @@ fn headline(tool: &AssembledTool, record: &Record) -> String {
     format!("{}{}", tool.name, outcome.unwrap_or_default())
 }
 
-fn text(tool: &AssembledTool, record: &Record) -> String {
+fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
     let mut text = format!("{}\n\n", headline(tool, record));
     let mut section = |headings: [&str; 2], rows: Vec<Vec<String>>| {
         if !rows.is_empty() {
-            text.push_str(&table::table(&headings, &rows));
+            text.push_str(&table::numbers(&headings, &rows, units));
             text.push('\n');
         }
     };

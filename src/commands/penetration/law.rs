@@ -9,6 +9,7 @@ use nailnoise_penetration::{
 use serde::Serialize;
 
 use super::limits::within;
+use super::specimen;
 use crate::atomic_write::AtomicWrite;
 use crate::commands::Status;
 use crate::commands::progress::note;
@@ -30,6 +31,8 @@ const FORCES: [f64; 2] = [-1e6, 1e6];
 #[command(after_help = examples!(
     "nailnoise penetration law --list" => "the published laws, woods and nails",
     "nailnoise penetration law --law smooth,annular --wood pine --nail 8d" => "two laws side by side",
+    "nailnoise penetration law --law general --wood \"red oak\" --nail \"57 x 2.5 mm\"" =>
+        "a wood of `nailnoise list woods` and a nail of your own size",
     "nailnoise penetration law --constant \"1.2 kN\" --table own.csv --nail 8d" => "laws of your own",
 ))]
 pub(super) struct Arguments {
@@ -46,10 +49,10 @@ pub(super) struct Arguments {
     /// CSV files of laws: depth in m and force in N per line
     #[arg(long, value_name = "FILES", value_delimiter = ',')]
     table: Vec<PathBuf>,
-    /// Woods of the published laws, for example "pine" or "poplar plywood"
+    /// Woods, for example "pine" or "red oak": those of the published tests and of `nailnoise list woods`
     #[arg(long, value_name = "WOODS", value_delimiter = ',', requires = "law")]
     wood: Vec<String>,
-    /// Nail sizes, for example 6d,12d
+    /// Nail sizes, for example 6d,12d; a name of `nailnoise list nails`; or length and diameter, as "57 x 2.5 mm"
     #[arg(long, value_name = "SIZES", value_delimiter = ',', required_unless_present = "list")]
     nail: Vec<String>,
     /// Penetration speed, 20 to 500 mm/min; a number alone is in m/s [default: 500 mm/min]
@@ -126,32 +129,31 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 }
 
 /// Every law for every nail; the published ones also in every wood.
-fn resistances(arguments: &Arguments) -> Result<Vec<PenetrationCurve>, PenetrationError> {
+fn resistances(arguments: &Arguments) -> Result<Vec<PenetrationCurve>, Error> {
     let speed = arguments.speed.unwrap_or(REFERENCE_SPEED);
-    let nails: Vec<_> = arguments
-        .nail
-        .iter()
-        .map(|nail| penetration::nail(nail))
-        .collect::<Result<_, _>>()?;
+    let nails = arguments.nail.iter().map(|name| Ok(specimen::nail(name)?.0));
+    let nails: Vec<_> = nails.collect::<Result<_, Error>>()?;
     let mut all = Vec::new();
     for law in &arguments.law {
         for wood in &arguments.wood {
             for nail in &nails {
-                let (law, wood) = (penetration::law(law)?, penetration::wood(wood)?);
-                all.push(PenetrationCurve::new(law, wood, nail, speed)?);
+                let (law, wood) = (penetration::law(law)?, specimen::wood(wood)?);
+                let curve = PenetrationCurve::new(law, wood, nail, speed);
+                all.push(curve.map_err(PenetrationError::from)?);
             }
         }
     }
     for force in &arguments.constant {
         for nail in &nails {
-            all.push(PenetrationCurve::constant(*force, nail)?);
+            all.push(PenetrationCurve::constant(*force, nail).map_err(PenetrationError::from)?);
         }
     }
     for path in &arguments.table {
         let table = penetration::table(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         for nail in &nails {
-            all.push(PenetrationCurve::tabulated(&name, table.clone(), nail)?);
+            let curve = PenetrationCurve::tabulated(&name, table.clone(), nail);
+            all.push(curve.map_err(PenetrationError::from)?);
         }
     }
     Ok(all)
@@ -225,6 +227,7 @@ fn evaluate(arguments: &Arguments, laws: &[PenetrationCurve], labels: &[String])
             }
         }
     }
+    notes.extend(untested(laws));
     if laws.len() > figures::MOST_LAWS {
         notes.push(format!(
             "the figure shows the first {} of {} curves",
@@ -238,6 +241,24 @@ fn evaluate(arguments: &Arguments, laws: &[PenetrationCurve], labels: &[String])
         curves,
         notes,
     })
+}
+
+/// Notes on published laws for woods and nails that their tests did not have.
+fn untested(laws: &[PenetrationCurve]) -> Vec<String> {
+    let published = || laws.iter().filter(|law| law.wood().is_some());
+    let mut names: Vec<&str> = published()
+        .map(|law| law.nail.name)
+        .filter(|name| NAILS.iter().all(|nail| nail.name != *name))
+        .chain(
+            published()
+                .map(wood_name)
+                .filter(|name| WOODS.iter().all(|wood| wood.name != *name)),
+        )
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let note = |name: &str| format!("{name}: not in the tests of the published laws, which extrapolate to it");
+    names.into_iter().map(note).collect()
 }
 
 impl PrfResult {
@@ -365,8 +386,10 @@ fn list() -> Result<Status, Error> {
         .collect();
     let mut text = table(&["law", "R2 %", "SEE", "MAE"], &laws);
     text.push('\n');
+    let further = specimen::further_woods()?;
     let woods: Vec<Vec<String>> = WOODS
         .iter()
+        .chain(&further)
         .map(|wood| {
             let numbers = [wood.hardness_modulus * 1e-3, wood.density, 100.0 * wood.moisture];
             let [hardness, density, moisture] = numbers;
@@ -374,7 +397,7 @@ fn list() -> Result<Status, Error> {
                 wood.name.to_owned(),
                 format!("{hardness:.2}"),
                 format!("{density:.2}"),
-                format!("{moisture:.1}"),
+                fixed(Some(moisture).filter(|own| own.is_finite()), 1),
             ]
         })
         .collect();

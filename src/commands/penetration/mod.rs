@@ -5,6 +5,7 @@ mod law;
 mod limits;
 mod machine;
 mod plan;
+mod specimen;
 
 use clap::{Args, Subcommand};
 

@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart;
 use crate::drawing;
+use crate::units::Units;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -67,10 +68,10 @@ pub(crate) fn compared_by(identity: &str) -> Markup {
 }
 
 impl Page {
-    /// The HTML file.
-    pub(super) fn html(self) -> String {
+    /// The HTML file with its texts in these units.
+    pub(super) fn html(self, units: Units) -> String {
         let first_of_appendix = self.sections.iter().position(|section| section.appendix);
-        html! {
+        let page = html! {
             (DOCTYPE)
             html lang="en" {
                 head {
@@ -105,6 +106,7 @@ impl Page {
                 }
             }
         }
-        .into_string()
+        .into_string();
+        units.page(page)
     }
 }

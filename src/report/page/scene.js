@@ -6,7 +6,10 @@
   const stage = figure.querySelector(".stage"), image = stage.querySelector("img");
   const canvas = document.createElement("canvas");
   const gl = canvas.getContext("webgl", { antialias: true, alpha: true, premultipliedAlpha: false, preserveDrawingBuffer: true });
-  if (!gl) return; // the picture stays
+  if (!gl) {
+    document.querySelectorAll(".in-space").forEach((own) => own.remove());
+    return; // the picture stays
+  }
 
   const bytes = (text) => Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
   const bodies = data.bodies.map((body) => ({
@@ -18,6 +21,7 @@
   // Three corners a triangle, so that each has one colour.
   const corners = bodies.reduce((sum, body) => sum + body.triangles.length, 0);
   const places = new Float32Array(3 * corners), normals = new Float32Array(3 * corners), colours = new Uint8Array(3 * corners);
+  const moves = new Int8Array(3 * corners); // of the mode that is shown, relative to its largest displacement
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   let next = 0;
   for (const body of bodies) {
@@ -46,11 +50,11 @@
   };
   const program = gl.createProgram();
   gl.attachShader(program, shader(gl.VERTEX_SHADER, `
-    attribute vec3 place; attribute vec3 normal; attribute vec3 colour;
-    uniform mat3 view; uniform vec3 centre; uniform vec2 scale; uniform float depth; uniform vec2 shift;
+    attribute vec3 place; attribute vec3 normal; attribute vec3 colour; attribute vec3 move;
+    uniform mat3 view; uniform vec3 centre; uniform vec2 scale; uniform float depth; uniform vec2 shift; uniform float swing;
     varying vec3 shade;
     void main() {
-      vec3 p = view * (place - centre);
+      vec3 p = view * (place + swing * move - centre);
       gl_Position = vec4(p.xy * scale + shift, -p.z * depth, 1.0);
       shade = colour * (0.62 + 0.38 * abs((view * normal).z));
     }`));
@@ -59,15 +63,21 @@
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) return;
   gl.useProgram(program);
   const attribute = (name, values, type, normalised) => {
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
     const location = gl.getAttribLocation(program, name);
     gl.enableVertexAttribArray(location);
     gl.vertexAttribPointer(location, 3, type, normalised, 0, 0);
+    return () => {
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+    };
   };
   attribute("place", places, gl.FLOAT, false);
   attribute("normal", normals, gl.FLOAT, false);
-  attribute("colour", colours, gl.UNSIGNED_BYTE, true); // bound last: colours change
+  const renewColours = attribute("colour", colours, gl.UNSIGNED_BYTE, true);
+  const renewMoves = attribute("move", moves, gl.BYTE, true);
   gl.enable(gl.DEPTH_TEST);
   gl.uniform3fv(gl.getUniformLocation(program, "centre"), centre);
 
@@ -85,7 +95,7 @@
         for (let corner = 0; corner < 3; corner++) for (let c = 0; c < 3; c++) colours[next++] = colour[c];
       }
     }
-    gl.bufferData(gl.ARRAY_BUFFER, colours, gl.STATIC_DRAW);
+    renewColours();
     label(view);
   };
   const label = (view) => {
@@ -120,6 +130,7 @@
   };
   const first = projected(axes());
   let frame = { scale: [1, 1], shift: [0, 0] };
+  let swing = 0; // displacement of the mode, in the steps of the points
   const draw = () => {
     const width = Math.round(canvas.clientWidth * devicePixelRatio), height = Math.round(canvas.clientHeight * devicePixelRatio);
     if (!width || !height) return;
@@ -134,6 +145,7 @@
     gl.uniform2fv(gl.getUniformLocation(program, "scale"), scale);
     gl.uniform2fv(gl.getUniformLocation(program, "shift"), shift);
     gl.uniform1f(gl.getUniformLocation(program, "depth"), 0.98 / Math.hypot(...extent(rows)));
+    gl.uniform1f(gl.getUniformLocation(program, "swing"), swing);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.drawArrays(gl.TRIANGLES, 0, corners);
@@ -202,10 +214,54 @@
     event.preventDefault();
     keys[event.key]();
   });
+  // A mode: its largest displacement, and on request its oscillation, in which a second shows one period.
+  const chosen = figure.querySelector(".mode"), play = figure.querySelector(".play");
+  const still = matchMedia("(prefers-reduced-motion: reduce)");
+  let mode = null, since = null;
+  const pause = () => { since = null; play.textContent = still.matches ? "Other way" : "Play"; };
+  const choose = (index) => {
+    mode = data.modes[index] ?? null;
+    chosen.value = mode ? String(index) : "";
+    play.hidden = !mode;
+    moves.fill(0);
+    if (mode) {
+      const shape = new Int8Array(bytes(mode.shape).buffer);
+      let next = 0;
+      bodies.forEach((body, number) => {
+        if (number !== mode.body) { next += 3 * body.triangles.length; return; }
+        for (const point of body.triangles) for (let axis = 0; axis < 3; axis++) moves[next++] = shape[3 * point + axis];
+      });
+    }
+    renewMoves();
+    swing = mode ? mode.reach : 0;
+    pause();
+    later();
+  };
+  const step = (now) => {
+    if (since === null || !mode) return;
+    swing = mode.reach * Math.cos(2 * Math.PI * (now - since) / 1000);
+    draw();
+    requestAnimationFrame(step);
+  };
+  const start = () => {
+    // Where motion is unwelcome, the button shows the other end of the oscillation.
+    if (still.matches) { swing = -swing; later(); return; }
+    play.textContent = "Pause";
+    requestAnimationFrame((now) => { since = now; step(now); });
+  };
+  chosen.addEventListener("change", () => choose(chosen.value === "" ? -1 : +chosen.value));
+  play.addEventListener("click", () => (since === null ? start() : pause()));
+  document.querySelectorAll("button[data-mode]").forEach((button) => button.addEventListener("click", () => {
+    choose(+button.dataset.mode);
+    figure.scrollIntoView({ block: "center", behavior: still.matches ? "auto" : "smooth" });
+    start();
+  }));
+  window.addEventListener("beforeprint", () => choose(-1));
   figure.querySelector(".view").addEventListener("change", (event) => { view = +event.target.value; paint(); later(); });
   canvas.addEventListener("webglcontextlost", () => { stage.classList.remove("turns"); canvas.remove(); });
   new ResizeObserver(later).observe(canvas);
   paint();
   draw();
   window.nailnoise.scene = camera;
+  window.nailnoise.swing = () => swing;
 })();
