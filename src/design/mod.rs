@@ -13,6 +13,7 @@
 //! and remedy ([`DesignError`]).
 
 mod assembly;
+mod assembly_schema;
 mod assignment;
 mod catalogue;
 mod checks;
@@ -48,6 +49,7 @@ mod springs;
 mod study;
 mod suggest;
 mod surfaces;
+mod tool_outcomes;
 mod transducers;
 
 use std::collections::{BTreeMap, BTreeSet};
