@@ -79,6 +79,7 @@ const SHOWN: [&str; 20] = [
     "cycle",
     "performance",
     "events",
+    "event_words",
     "sensors",
     "transducers",
     "microphones",
@@ -182,7 +183,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Levels",
             html! {
                 @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) }
-                @if let Some(chart) = &intervals { (events::intervals(chart, &loud)) }
+                @if let Some(chart) = &intervals { (events::intervals(chart, &loud, &result.event_words)) }
             },
         )
         .on_a_page(),
@@ -208,7 +209,12 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         )
         .in_the_appendix(),
         Section::new("microphones", "Microphones", sound::measured(result)).in_the_appendix(),
-        Section::new("modes", "Loudest modes", html! { (PreEscaped(&pictures.modes)) }).in_the_appendix(),
+    ]);
+    if !pictures.modes.is_empty() {
+        let modes = html! { (PreEscaped(&pictures.modes)) };
+        sections.push(Section::new("modes", "Loudest modes", modes).in_the_appendix());
+    }
+    sections.extend([
         Section::new("drawing", "Drawing", drawing::section(design)).in_the_appendix(),
         Section::new(
             "cycle",

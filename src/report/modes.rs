@@ -12,7 +12,11 @@ use crate::tables::{Cell, Column, Table};
 const LISTED: usize = 15;
 const DRAWN: usize = 6;
 
+/// The section; empty for a tool without elastic bodies.
 pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
+    if bodies.is_empty() {
+        return html! {};
+    }
     let mut modes: Vec<(&ColouredSurface<'_>, usize)> = bodies
         .iter()
         .flat_map(|painted| (0..painted.body.basis.hz.len()).map(move |mode| (painted, mode)))
