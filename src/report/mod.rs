@@ -67,7 +67,7 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 20] = [
+const SHOWN: [&str; 21] = [
     "schema",
     "design",
     "inputs",

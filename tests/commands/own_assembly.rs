@@ -81,7 +81,7 @@ fn a_literal_that_no_block_has_is_refused_with_the_nearest() {
         let output = command(&arguments).current_dir(&folder).output().unwrap();
         let message = messages(&output);
         assert_eq!(output.status.code(), Some(2), "{message}");
-        assert!(message.contains(KEY), "{message}");
+        assert!(message.contains("did you mean \"area\"?"), "{message}");
     }
 }
 

@@ -219,6 +219,10 @@ fn laws_of_the_network_are_checked() {
             &["no passage and no face"],
         ),
         (
+            "[cycle.opening.exhaust]\nreplace = true\npassage = \"exhaust\"\nrestriction = \"seat\"",
+            &["has no field `area`", "area = \"20 mm2\""],
+        ),
+        (
             "[cycle.opening]\nvent = false",
             &["cycle.passage.vent", "without an opening", "silent = true"],
         ),

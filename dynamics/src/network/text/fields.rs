@@ -370,7 +370,7 @@ impl<'r, 'a> Fields<'r, 'a> {
             _ => {
                 // The field that the file closest to the design gives.
                 let given = fields.iter().filter_map(|key| self.get(key));
-                let last = given.max_by_key(|node| node.spot.document);
+                let last = given.max_by_key(|node| self.resolver.text.sources.rank(&node.spot));
                 let spot = last.map_or(&self.node.spot, |node| &node.spot);
                 Err(self.resolver.error(&self.path, spot, Fault::Exclusive { fields }))
             }

@@ -288,6 +288,7 @@ impl AssemblyText {
             None if self.name.is_empty() => self.add_named(DEFAULT, None, depth + 1)?,
             None => {}
         }
+        self.sources.merged.push(cycle.spot.document);
         self.cycle.merge(cycle);
         Ok(())
     }

@@ -5,7 +5,7 @@ use nailnoise_quantities::dimension::{FORCE, LENGTH};
 use super::events::{Measured, dimensions, expect, expression};
 use super::list::entries;
 use super::tables::outputs::{LOAD, OPENING, PRESSURE};
-use crate::network::assembly::{Family, Load, Opening, Passage, PressurePatch, PressureSurface};
+use crate::network::assembly::{Family, Load, Opening, Opens, Passage, PressurePatch, PressureSurface};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::node::Node;
@@ -28,11 +28,21 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
                 fields.error("restriction", Fault::Word { found, words })
             })?,
         };
-        fields.one_of(&["area", "diameter"], "area = \"20 mm2\"")?;
         let count = fields.or("count", 1.0)?;
-        let area = match fields.quantity("diameter")? {
-            Some(diameter) => count * (0.25 * std::f64::consts::PI * diameter * diameter),
-            None => fields.required("area")?,
+        let constant = passages
+            .get(passage)
+            .and_then(|passage| match passage.restrictions.get(restriction)?.opens {
+                Opens::Constant { area } => Some(area),
+                _ => None,
+            });
+        let area = match (fields.quantity("diameter")?, fields.quantity("area")?) {
+            (None, None) => constant.ok_or_else(|| fields.missing("area"))?,
+            (Some(diameter), None) => count * (0.25 * std::f64::consts::PI * diameter * diameter),
+            (None, Some(area)) => area,
+            (Some(_), Some(_)) => {
+                let fields_found = ["area", "diameter"].map(str::to_owned).to_vec();
+                return Err(fields.own_error(Fault::Exclusive { fields: fields_found }));
+            }
         };
         Ok(Opening {
             name: name.to_owned(),

@@ -10,7 +10,7 @@ use crate::network::assembly::{
 use crate::network::text::blocks::is_atmosphere;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::names::{CHANNELS, quantities};
-use crate::network::text::node::Node;
+use crate::network::text::node::{Node, Spot};
 use crate::network::text::resolver::Resolver;
 
 /// Relative difference attributed to rounding.
@@ -46,10 +46,8 @@ pub(super) fn add_up(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(),
             let blocks = wrong.iter().filter_map(|own| resolver.names.find(&own.block));
             let own = table.map_or(&resolver.text.cycle.spot, |table| &table.spot);
             let candidates = blocks.map(|block| block.spot).chain(loads);
-            let spot = candidates.fold(
-                own,
-                |spot, other| if other.document > spot.document { other } else { spot },
-            );
+            let rank = |spot: &Spot| resolver.text.sources.rank(spot);
+            let spot = candidates.fold(own, |spot, other| if rank(other) > rank(spot) { other } else { spot });
             let fault = Fault::LoadSum {
                 body: name.clone(),
                 differences: wrong.iter().map(|own| own.text.clone()).collect(),

@@ -21,7 +21,7 @@ pub(in crate::network::text::blocks) const OPENING: TableSpec = TableSpec::of(
             "area",
             positive(AREA),
             "\"20 mm2\"",
-            "area of all holes, instead of `diameter`",
+            "area of all holes, instead of `diameter` (the constant area of the restriction)",
         ),
         quantity("pitch", positive(LENGTH), "\"8 mm\"", "distance of the holes"),
         text(
