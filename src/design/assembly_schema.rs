@@ -30,8 +30,8 @@ impl Definitions {
         fields.insert(
             "assembly".to_owned(),
             json!({
-                "description": format!("Name and schema of a new assembly; or the assembly that this one changes: a file \
-                    relative to this one, or {built_in}."),
+                "description": format!("Name and schema of a new assembly; or the assembly that this one changes: a \
+                    file relative to this one, or {built_in}."),
                 "anyOf": [
                     {"type": "string"},
                     {"type": "object", "additionalProperties": false, "properties": {

@@ -18,7 +18,7 @@ fn shaker(mass: f64) -> Design {
     small(&format!(
         "[cycle]\nassembly = {{ name = \"shaker\", schema = 1 }}\n\
          gas = {{ constant = \"287.05 J/(kg K)\", ratio = 1.4 }}\nend = \"10 ms\"\n\
-         [cycle.reservoir]\natmosphere = {{ pressure = \"=ambient.pressure\", temperature = \"=ambient.temperature\" }}\n\
+         [cycle.reservoir.atmosphere]\npressure = \"=ambient.pressure\"\ntemperature = \"=ambient.temperature\"\n\
          [cycle.body.tool]\nmass = \"{mass} kg\"\n\
          [cycle.force.pulse]\non = \"tool\"\n\
          table = [[\"0 s\", \"0 N\"], [\"{begin}\", \"0 N\"], [\"{middle}\", \"{PEAK} N\"], [\"{end}\", \"0 N\"]]\n\

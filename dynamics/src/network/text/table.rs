@@ -1,5 +1,5 @@
-//! Tables of fields: the contents of each block, from which its reader takes names, domains and examples, and from which
-//! the JSON schema of an assembly is made.
+//! Tables of fields: the contents of each block, from which its reader takes names, domains and examples, and from
+//! which the JSON schema of an assembly is made.
 
 use nailnoise_quantities::Kind;
 
