@@ -71,11 +71,11 @@ pub struct Chain {
     pub(crate) engine: Engine,
     /// The nailing cycle.
     pub cycle: Stored<ShotRecord>,
-    /// Workpiece, and worktable if there is one.
+    /// Workpiece, and worktable if there is one; empty for a tool without a workpiece.
     pub structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
     pub tool: Option<BodyStages>,
-    /// Response of workpiece and support.
+    /// Response of workpiece and support; nothing reads it for a tool without a workpiece.
     pub vibration: Stored<Vibration>,
     /// All elastic bodies: the workpiece, its support, the tool.
     pub moving: Vec<MovingBody>,
@@ -93,8 +93,8 @@ pub struct Chain {
     pub transducers: Stored<Vec<PressureRecord>>,
     /// Sound fields for inspection.
     pub fields: Stored<Fields>,
-    /// Checks of workpiece and support.
-    pub(crate) response_report: Stored<ResponseChecks>,
+    /// Checks of workpiece and support; none for a tool without a workpiece.
+    pub(crate) response_report: Option<Stored<ResponseChecks>>,
     /// Checks of an elastic tool.
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
     /// The same shot with one-way coupling, if the shot is coupled two ways.
@@ -146,7 +146,7 @@ impl Chain {
         let sensors = Sensors {
             accelerometers: inputs::sensors::accelerometers(design)?,
             cycle: shot.cycle.clone(),
-            vibration: shot.vibration.clone(),
+            vibration: shot.of_structure().cloned(),
             motions: shot.all_motions(),
         };
         let levels = graph.add(ShotLevels {
@@ -172,9 +172,11 @@ impl Chain {
                 cycle: shot.cycle.clone(),
             }),
             fields: graph.add(sound_fields(&shot)),
-            response_report: graph.add(ResponseReport {
-                bodies: bodies.structure_bodies(),
-                vibration: shot.vibration.clone(),
+            response_report: shot.of_structure().map(|vibration| {
+                graph.add(ResponseReport {
+                    bodies: bodies.structure_bodies(),
+                    vibration: vibration.clone(),
+                })
             }),
             one_way: shot.coupled.map(|both| OneWay {
                 report: graph.add(CouplingReport(both)),
@@ -298,7 +300,7 @@ mod tests {
             };
             match workpiece_radiation(context, &bodies).unwrap().field {
                 FieldMethod::BoundaryElements(_, matrix) => *matrix.key(),
-                FieldMethod::Rayleigh(..) | FieldMethod::Erp => panic!("boundary elements"),
+                FieldMethod::Rayleigh(..) | FieldMethod::Erp | FieldMethod::Absent => panic!("boundary elements"),
             }
         };
         let mut other = base.clone();

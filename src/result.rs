@@ -9,7 +9,7 @@ mod study;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::stages::cycle::{EngineRecord, EventTimes, ShotRecord, SummaryFigures};
+use crate::stages::cycle::{EngineRecord, EventTimes, EventWords, ShotRecord, SummaryFigures};
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
@@ -67,6 +67,9 @@ pub struct RunResult {
     pub performance: Option<Performance>,
     /// Event times \[s\], t0..t18 or those that an assembly names; null where one does not occur.
     pub events: EventTimes,
+    /// Descriptions of the events by name; absent for an assembly that gives none.
+    #[serde(skip_serializing_if = "EventWords::is_empty")]
+    pub event_words: EventWords,
     /// Effect of the structures on the shot and its sound, compared with a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,

@@ -16,7 +16,7 @@ use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult,
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
-use crate::stages::cycle::{EngineRecord, EventTimes, ShotRecord};
+use crate::stages::cycle::{EngineRecord, EventTimes, EventWords, ShotRecord};
 use crate::stages::microphones::{AtMicrophones, Microphones};
 use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
@@ -79,7 +79,8 @@ impl RunResult {
 impl Chain {
     /// Everything that the result of a run reads.
     pub fn outputs(&self) -> Vec<&dyn Input<Error>> {
-        let mut all: Vec<&dyn Input<Error>> = vec![&self.sensors, &self.response_report];
+        let mut all: Vec<&dyn Input<Error>> = vec![&self.sensors];
+        all.extend(self.response_report.iter().map(|report| report as &dyn Input<Error>));
         all.extend(self.sources.iter().flat_map(SourceStages::outputs));
         all.extend(self.tool_report.iter().map(|report| report as &dyn Input<Error>));
         all.extend(self.one_way.iter().map(|one_way| &one_way.report as &dyn Input<Error>));
@@ -179,7 +180,8 @@ impl Chain {
         let (record, end) = (self.cycle.get()?, *self.end.get()?);
         let sounds = self.sources.iter().map(|own| own.sound.get());
         let sounds: Vec<Arc<SourceSound>> = sounds.collect::<Result<_, Error>>()?;
-        let (response, sensors) = (self.response_report.get()?, self.sensors.get()?);
+        let response = self.response_report.as_ref().map(Stored::get).transpose()?;
+        let sensors = self.sensors.get()?;
         let transducers = self.transducers.get()?;
         let tool = self.tool_report.as_ref().map(Stored::get).transpose()?;
         let starts = self.starts()?;
@@ -215,10 +217,11 @@ impl Chain {
                 fluid_loading: fluid_loading.collect(),
                 fluid_loading_changes: &fluid_loading_changes,
                 truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
-                ending: &response.ending,
+                ending: response.as_ref().map(|own| own.ending.as_str()),
                 idle_sensors: inputs::sensors::without_body(design),
                 limited_sensors: inputs::sensors::limited(design),
                 fitted_law: inputs::notes::fitted_law(design, &record)?,
+                landing_keys: inputs::assembly::landing_keys(design)?,
                 outside_ranges: inputs::notes::outside_ranges(design),
                 idle_springs: design.idle_springs(),
                 idle_surfaces: design.idle_surfaces(),
@@ -250,7 +253,7 @@ impl Chain {
         });
         let (coupling, coupling_checks) = coupling.transpose()?.unzip();
         let mut checks = record.checks.clone();
-        checks.extend(response.checks.iter().cloned());
+        checks.extend(response.iter().flat_map(|own| own.checks.iter().cloned()));
         checks.extend(coupling_checks.into_iter().flatten());
         let impedances = self.sources.iter().filter_map(|own| own.compared.impedance.as_ref());
         for bonded in impedances.filter_map(|own| own.report.as_ref()) {
@@ -281,6 +284,7 @@ impl Chain {
             cycle: record.figures.clone(),
             performance,
             events: EventTimes(record.events.clone()),
+            event_words: EventWords::of(&record.events),
             coupling,
             fluid_loading_changes,
             starts: starts.map(|(_, starts)| starts),

@@ -94,17 +94,20 @@ impl BodyStages {
     }
 }
 
-/// Bodies of a design that are solved in a run.
+/// Bodies of a design that are solved in a run: a tool without a workpiece has no support either.
 pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
-    let mut kinds = vec![BodyKind::Workpiece];
-    kinds.extend(supports::of(design).bodies());
+    let mut kinds = Vec::new();
+    if inputs::assembly::has_workpiece(design) {
+        kinds.push(BodyKind::Workpiece);
+        kinds.extend(supports::of(design).bodies());
+    }
     kinds.extend((design.body.model == BodyModel::Elastic).then_some(BodyKind::Tool));
     kinds
 }
 
 /// The bodies of a design that are solved in a run.
 pub(crate) struct Bodies {
-    /// Workpiece, and worktable if there is one.
+    /// Workpiece, and worktable if there is one; empty for a tool without a workpiece.
     pub(crate) structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
     pub(crate) tool: Option<BodyStages>,

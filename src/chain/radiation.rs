@@ -168,6 +168,16 @@ pub(crate) fn workpiece_radiation(context: Context<'_>, bodies: &[Stored<Body>])
             air,
         })
     };
+    if bodies.is_empty() {
+        // Nothing reads this radiator.
+        let radiator = radiator(WorkpieceMethod::Erp(inputs::radiation::covered_faces(design)));
+        return Ok(WorkpieceStages {
+            at_microphones: radiator.clone(),
+            radiator,
+            field: FieldMethod::Absent,
+            matrix_key: None,
+        });
+    }
     Ok(match inputs::radiation::workpiece(design)? {
         WorkpieceRadiation::BoundaryElements(elements) => {
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];

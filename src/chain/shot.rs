@@ -37,7 +37,7 @@ pub(crate) struct ShotStages<'a> {
     pub(crate) coupled: Option<Stored<Coupled>>,
     /// Response of workpiece and support with the radiation impedance frozen at each mode's resonance.
     pub(crate) frozen: Stored<Vibration>,
-    /// Response of workpiece and support.
+    /// Response of workpiece and support; nothing reads it for a tool without a workpiece.
     pub(crate) vibration: Stored<Vibration>,
     /// Motion of workpiece and support.
     pub(crate) structure: Vec<Stored<BodyMotion>>,
@@ -83,7 +83,10 @@ impl<'a> ShotStages<'a> {
             noise_seed,
             end: graph.add(End {
                 cycle: cycle.clone(),
-                longest: tool.as_ref().map_or(&vibration, |tool| &tool.vibration).clone(),
+                longest: tool
+                    .as_ref()
+                    .map(|tool| tool.vibration.clone())
+                    .or_else(|| (!motions.bodies.structure.is_empty()).then(|| vibration.clone())),
             }),
             structure: motions.analysed(&vibration, true),
             cycle,
@@ -116,10 +119,15 @@ impl<'a> ShotStages<'a> {
         self.structure.iter().chain(tool).cloned().collect()
     }
 
+    /// Response of workpiece and support; none for a tool without a workpiece.
+    pub(super) fn of_structure(&self) -> Option<&Stored<Vibration>> {
+        (!self.bodies.structure.is_empty()).then_some(&self.vibration)
+    }
+
     /// Responses of workpiece and support, and of the tool.
     pub(super) fn responses(&self) -> Vec<Stored<Vibration>> {
         let tool = self.tool.iter().map(|tool| &tool.vibration);
-        std::iter::once(&self.vibration).chain(tool).cloned().collect()
+        self.of_structure().into_iter().chain(tool).cloned().collect()
     }
 
     /// The elastic bodies in motion: workpiece, support, tool.

@@ -14,8 +14,9 @@ use crate::declaration;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::output::{self, Exports, event_name};
+use crate::output::{self, Exports};
 use crate::result::{Check, Coupling, RankedSource, RunResult};
+use crate::stages::cycle::EventWords;
 use crate::store::Store;
 use crate::tables::{dash, fixed, run as tables};
 use crate::wording::{order, readable};
@@ -196,7 +197,7 @@ fn components(result: &RunResult) -> String {
 }
 
 /// Effect of the two-way coupling.
-fn coupled(coupling: &Coupling) -> String {
+fn coupled(coupling: &Coupling, words: &EventWords) -> String {
     let mut rows = Vec::new();
     let mut row = |name: &str, unit: &str, digits: usize, one: Option<f64>, two: Option<f64>| {
         let change = dash(one.zip(two), |(one, two)| format!("{:+.digits$}", two - one));
@@ -213,7 +214,7 @@ fn coupled(coupling: &Coupling) -> String {
     let milli = |x: Option<f64>| x.map(|x| 1e3 * x);
     for event in &coupling.events {
         row(
-            &event_name(&event.event),
+            &words.in_words(&event.event),
             "ms",
             3,
             milli(event.one_way_s),
@@ -282,7 +283,7 @@ pub(super) fn printed(result: &RunResult) -> PrintedResult {
         ));
     }
     if let Some(coupling) = &result.coupling {
-        levels.push_str(&coupled(coupling));
+        levels.push_str(&coupled(coupling, &result.event_words));
     }
     PrintedResult {
         headline: result.headline.clone(),

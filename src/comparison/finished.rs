@@ -9,6 +9,7 @@ use super::consistency;
 use crate::comparison::ComparisonError;
 use crate::error::Error;
 use crate::result::{DesignId, Performance, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
+use crate::stages::cycle::EventWords;
 use crate::stages::headline::Headline;
 
 /// A finished result.
@@ -27,6 +28,8 @@ pub struct Finished {
     #[serde(default)]
     study: Option<RunStudy>,
     pub(super) events: BTreeMap<String, Option<f64>>,
+    #[serde(default)]
+    pub(super) event_words: EventWords,
     pub(super) cycle: serde_json::Map<String, serde_json::Value>,
 }
 

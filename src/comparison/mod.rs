@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::model::sources;
 use crate::result::{Performance, RankedSource, StudySummary, TOTAL};
+use crate::stages::cycle::EventWords;
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
@@ -53,6 +54,9 @@ pub struct Comparison {
     pub cycle: Vec<ValueRow>,
     /// Event times \[s\].
     pub events: Vec<ValueRow>,
+    /// Descriptions of the events.
+    #[serde(skip)]
+    pub(crate) event_words: EventWords,
 }
 
 /// A key whose values differ.
@@ -223,6 +227,7 @@ impl Comparison {
                     name,
                 })
                 .collect(),
+            event_words: EventWords::joined(results.iter().map(|r| &r.event_words)),
         }
     }
 

@@ -86,7 +86,8 @@ pub fn of_body(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
 pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
     let mut stages = vec![of_cycle(design)];
     let (mut of_tool, mut of_others) = (0.0, 0.0);
-    for kind in solved_bodies(design) {
+    let kinds = solved_bodies(design);
+    for &kind in &kinds {
         let stage = of_body(design, kind)?;
         let modes = stage.modes().unwrap_or(0.0);
         match kind {
@@ -95,8 +96,12 @@ pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
         }
         stages.push(stage);
     }
-    stages.push(response(design, of_tool + of_others));
-    stages.extend(radiation(design, of_others));
+    if !kinds.is_empty() {
+        stages.push(response(design, of_tool + of_others));
+    }
+    if kinds.contains(&BodyKind::Workpiece) {
+        stages.extend(radiation(design, of_others));
+    }
     stages.extend(radiation_of_tool(design, of_tool)?);
     Ok(stages)
 }

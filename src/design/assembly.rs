@@ -240,6 +240,18 @@ pub(super) fn has_cycle(chain: &[File]) -> Result<bool, DesignError> {
     Ok(false)
 }
 
+/// Number of files of a chain, nearest first, up to the one that names the assembly; all if none names one.
+pub(super) fn files_to_name(chain: &[File]) -> Result<usize, DesignError> {
+    for (index, file) in chain.iter().enumerate() {
+        let table = file.table()?;
+        let cycle = table.get("cycle").and_then(|value| value.get_ref().as_table());
+        if cycle.is_some_and(|cycle| cycle.contains_key("assembly") || cycle.contains_key("schema")) {
+            return Ok(index + 1);
+        }
+    }
+    Ok(chain.len())
+}
+
 /// The documents of a chain, beginning with the base.
 pub(super) fn documents(chain: &[File]) -> Vec<Document> {
     chain.iter().rev().map(|file| file.document().clone()).collect()

@@ -3,12 +3,14 @@
 use nailnoise_quantities::{Group, GroupSpec, KeySpec, Kind};
 use serde_json::{Map, Value, json};
 
+use super::assembly_schema::Definitions;
 use super::derived::{Derived, SOLUTIONS};
 use super::distribution::Distribution;
 use super::groups::Values;
 use super::provenance::Provenance;
 use super::report;
-use super::study::{SOURCES, outcomes};
+use super::study::SOURCES;
+use super::tool_outcomes::outcomes;
 
 /// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that
 /// supports TOML schemas. Only this program checks units and limits.
@@ -26,13 +28,23 @@ pub fn json_schema() -> Value {
     if let Some(Value::Object(own)) = root.get_mut("properties").map(Value::take) {
         properties.extend(own);
     }
+    let mut of_assembly = Definitions::default();
+    properties.insert("cycle".to_owned(), of_assembly.cycle());
+    properties.insert("keys".to_owned(), of_assembly.keys());
     properties.insert("study".to_owned(), study());
     properties.insert("report".to_owned(), head_of_report());
     let provenances = Provenance::ALL.map(Provenance::as_str).join("|");
     root["properties"] = properties.into();
+    // An assembly declares keys of its own, in groups of its own or of the design. Without one all names are known.
+    root["if"] = json!({"anyOf": [{"required": ["cycle"]}, {"required": ["keys"]}]});
+    root["else"] = known_names(&root);
+    root["else"]["properties"]["study"]["properties"]["require"] =
+        requirement(&json!({"enum": outcomes().collect::<Vec<_>>()}));
+    open(&mut root, &of_assembly.own_values());
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     root["title"] = json!("nailnoise design");
-    root["$defs"] = json!({
+    let mut definitions = of_assembly.into_map();
+    let Value::Object(common) = json!({
         "provenance": {"type": "string", "pattern": format!("^({provenances})(:.*)?$"),
                        "description": "published, computed, estimated, decided, numerical, constant or design; the \
                            source may follow a colon"},
@@ -41,8 +53,54 @@ pub fn json_schema() -> Value {
             {"type": "string", "pattern": "\\.\\.|^\\s*(\\+-|\u{b1})|^\\s*exact\\s*$"},
             {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2},
         ]},
-    });
+    }) else {
+        return root;
+    };
+    definitions.extend(common);
+    root["$defs"] = definitions.into();
     root
+}
+
+/// The names that a group and the groups within it may have.
+fn known_names(group: &Value) -> Value {
+    let Value::Object(properties) = &group["properties"] else {
+        // The members of a list have names of the user.
+        return match &group["additionalProperties"] {
+            member @ Value::Object(_) => json!({"additionalProperties": known_names(member)}),
+            _ => json!({}),
+        };
+    };
+    let groups = properties
+        .iter()
+        .filter(|(name, own)| own["properties"].is_object() && *name != "cycle");
+    let groups: Map<_, _> = groups.map(|(name, own)| (name.clone(), known_names(own))).collect();
+    let mut known = json!({"properties": groups});
+    match &group["additionalProperties"] {
+        Value::Bool(false) => known["propertyNames"] = json!({"enum": properties.keys().collect::<Vec<_>>()}),
+        member => known["additionalProperties"] = known_names(member),
+    }
+    known
+}
+
+/// Allows further keys in a group of quantities and in the groups within it.
+fn open(group: &mut Value, further: &Value) {
+    let Value::Object(properties) = &mut group["properties"] else {
+        return;
+    };
+    for (name, own) in properties {
+        if own["properties"].is_object() && !["cycle", "study", "report"].contains(&name.as_str()) {
+            open(own, further);
+        }
+    }
+    if group["additionalProperties"] == json!(false) {
+        group["additionalProperties"] = further.clone();
+    }
+}
+
+/// Outcomes that a shot must have to count.
+fn requirement(outcome: &Value) -> Value {
+    json!({"description": "Outcomes of which a shot must have one to count: those of the tool.",
+           "anyOf": [outcome, {"type": "array", "items": outcome}]})
 }
 
 /// A derived quantity that a study may draw.
@@ -71,14 +129,12 @@ fn derived(key: &str) -> Value {
 
 /// `[study]`, which contains no quantities of the design.
 fn study() -> Value {
-    let outcome = json!({"enum": outcomes().collect::<Vec<_>>()});
     let band = json!({"type": "string", "pattern": "^.*\\.\\..*dB\\s*$"});
     json!({
         "type": "object",
         "description": "What a study of the design draws beside its ranges, and which shots count.",
         "properties": {
-            "require": {"description": "Outcomes of which a shot must have one to count.",
-                        "anyOf": [outcome, {"type": "array", "items": outcome}]},
+            "require": requirement(&json!({"type": "string"})),
             "screening": {"type": "integer", "minimum": 0, "maximum": 8,
                           "description": "Draws of `nailnoise run` for a design without a study."},
             "default_range": {"type": "string", "pattern": "^\\s*(base|exact|(\\+-|\u{b1}).*%)\\s*$",

@@ -13,6 +13,7 @@
 //! and remedy ([`DesignError`]).
 
 mod assembly;
+mod assembly_schema;
 mod assignment;
 mod catalogue;
 mod checks;
@@ -48,6 +49,7 @@ mod springs;
 mod study;
 mod suggest;
 mod surfaces;
+mod tool_outcomes;
 mod transducers;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -334,7 +336,7 @@ impl Design {
     /// The design with these outcomes as those of shots that count; all count if there are none.
     pub(crate) fn with_required(&self, outcomes: &[&'static str]) -> Self {
         let mut design = self.clone();
-        design.study.require = outcomes.to_vec();
+        design.study.require = outcomes.iter().map(|own| (*own).to_owned()).collect();
         design
     }
 

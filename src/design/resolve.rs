@@ -25,6 +25,7 @@ use super::source::File;
 use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
+use super::tool_outcomes::ToolOutcomes;
 use nailnoise_documents::Place;
 use nailnoise_dynamics::network::AssemblyText;
 
@@ -67,6 +68,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut report = ReportSettings::default();
     let assembly = assembly::of_chain(chain)?;
     let own = AssemblyKeys::of(assembly.as_ref());
+    let outcomes = ToolOutcomes::of(assembly.as_ref(), assembly::files_to_name(chain)?);
     let mut warnings = Vec::new();
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;
@@ -80,7 +82,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         }));
         let layer = Layer::read(file, &table, &Values::SPEC, &own)?;
         layers.push((depth, file.is_command_line(), layer));
-        studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
+        studies.extend(StudyLayer::of(file, &table, &Values::SPEC, depth)?);
         report.read(file, &table)?;
     }
     let mut derived = MergedDerived::default();
@@ -105,7 +107,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         let range = records.get(key).and_then(|record| record.range);
         range.is_some_and(|[low, high]| low < high) || derived.draws(key)
     };
-    let study = study::joined(studies, &names, ranged, ambient)?;
+    let study = study::joined(studies, &names, ranged, ambient, &outcomes)?;
     let found = records
         .iter()
         .map(|(key, record)| (key.clone(), record.value.clone()))

@@ -3,7 +3,7 @@
 //!
 //! ```toml
 //! [study]
-//! require = "drives"                        # an outcome, or a list of them
+//! require = "drives"                        # an outcome of the tool, or a list of them
 //! screening = 8                             # draws of `nailnoise run`
 //! default_range = "+-10 %"                  # of values without a range; "base" or "exact" otherwise
 //! draws = "calibrated.draws"                # joint draws of keys, in place of their ranges
@@ -22,7 +22,6 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nailnoise_dynamics::Outcome;
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{GroupSpec, KeySpec, Value, dotted, range};
 use serde::Serialize;
@@ -37,6 +36,7 @@ use super::renamed::current;
 use super::settings::{Field, Given};
 use super::source::File;
 use super::suggest;
+use super::tool_outcomes::{OUTCOME, RequiredOutcome, ToolOutcomes};
 use nailnoise_documents::Place;
 use nailnoise_documents::{found, found_value, nearest};
 
@@ -46,11 +46,6 @@ const MOST_SCREENED: u32 = 8;
 /// Maximum number of options of an alternative.
 const MOST_OPTIONS: usize = 64;
 
-/// Names of the outcomes of a shot.
-pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
-    Outcome::ALL.into_iter().map(Outcome::name)
-}
-
 /// Names of the sources for which a design may give the method's error, in the order of the program.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 
@@ -58,7 +53,7 @@ pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct StudySettings {
     /// A shot counts if it has one of these outcomes; all shots count if this is empty.
-    pub require: Vec<&'static str>,
+    pub require: Vec<String>,
     /// Draws of `nailnoise run` for a design without a study.
     pub screening: u32,
     /// Choices between sets of values, by name.
@@ -98,7 +93,9 @@ type Placed<T> = (T, Box<Place>);
 /// Settings of one file in `[study]`.
 #[derive(Debug, Default)]
 pub(crate) struct StudyLayer {
-    require: Option<Vec<&'static str>>,
+    /// Number of files between the design and this one.
+    depth: usize,
+    require: Option<Vec<RequiredOutcome>>,
     screening: Option<u32>,
     default_range: Option<DefaultRange>,
     draws: Option<Arc<JointDraws>>,
@@ -116,10 +113,17 @@ struct DraftOption {
 }
 
 impl StudyLayer {
-    /// Reads `[study]` of a file, if present, by the declaration `root` of the design's keys.
-    pub(crate) fn of(file: &File, table: &DeTable<'_>, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
+    /// Reads `[study]` of a file, if present, by the declaration `root` of the design's keys. `depth` is the number of
+    /// files between the design and this one.
+    pub(crate) fn of(
+        file: &File,
+        table: &DeTable<'_>,
+        root: &'static GroupSpec,
+        depth: usize,
+    ) -> Result<Option<Self>, DesignError> {
         let reader = Reader { file, root };
-        table.get("study").map(|value| Self::read(&reader, value)).transpose()
+        let layer = table.get("study").map(|value| Self::read(&reader, value)).transpose()?;
+        Ok(layer.map(|layer| Self { depth, ..layer }))
     }
 
     fn read(reader: &Reader<'_>, value: &Spanned<DeValue<'_>>) -> Result<Self, DesignError> {
@@ -175,12 +179,13 @@ pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
 }
 
 /// Joins the settings of the files, nearest last. `names` are the names of wood and nail, `ranged` tests whether a key
-/// has a range, and `ambient` is the reference for gauge pressures \[Pa\].
+/// has a range, `ambient` is the reference for gauge pressures \[Pa\], and `outcomes` are those of the tool.
 pub(crate) fn joined(
     layers: Vec<StudyLayer>,
     names: &Names,
     ranged: impl Fn(&str) -> bool,
     ambient: f64,
+    outcomes: &ToolOutcomes,
 ) -> Result<StudySettings, DesignError> {
     let mut settings = StudySettings {
         screening: MOST_SCREENED,
@@ -189,7 +194,7 @@ pub(crate) fn joined(
     let mut correlations = Vec::new();
     for layer in layers {
         if let Some(require) = layer.require {
-            settings.require = require;
+            settings.require = outcomes.checked(layer.depth, require)?;
         }
         settings.screening = layer.screening.unwrap_or(settings.screening);
         settings.draws = layer.draws.or(settings.draws);
@@ -266,19 +271,14 @@ impl Reader<'_> {
         table.ok_or_else(|| self.wrong(key, value, &format!("as a group of keys: [{key}]")))
     }
 
-    fn outcomes(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<&'static str>, DesignError> {
+    fn outcomes(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<RequiredOutcome>, DesignError> {
         let one = |value: &Spanned<DeValue<'_>>| {
-            let word = value.get_ref().as_str().unwrap_or_default();
-            let known = outcomes().find(|own| *own == word);
-            known.ok_or_else(|| {
-                self.wrong(
-                    "study.require",
-                    value,
-                    &format!(
-                        "as an outcome, or a list of outcomes: {}",
-                        outcomes().collect::<Vec<_>>().join(", ")
-                    ),
-                )
+            let word = value.get_ref().as_str();
+            let word = word.ok_or_else(|| self.wrong("study.require", value, OUTCOME))?;
+            Ok(RequiredOutcome {
+                word: word.to_owned(),
+                found: found(value.get_ref()),
+                at: self.file.place(value.span()),
             })
         };
         match value.get_ref() {

@@ -2,8 +2,6 @@
 
 use nailnoise_dynamics::network::EventTime;
 
-use crate::output::event_name;
-
 /// A long line is thinned to the extremes in this number of columns.
 const COLUMNS: usize = 900;
 
@@ -216,13 +214,12 @@ impl Series {
 /// The events that occur, in ms.
 pub(crate) fn events(events: &[EventTime]) -> Vec<Event> {
     let taking_place = events.iter().filter_map(|event| {
-        let words = event_name(&event.name);
         Some(Event {
             at: 1e3 * event.time?,
             symbol: symbol(&event.name),
-            name: match words.split_once(' ') {
-                Some((_, name)) => name.to_owned(),
-                None => words.replace('_', " "),
+            name: match event.description.as_str() {
+                "" => event.name.replace('_', " "),
+                words => words.to_owned(),
             },
         })
     });

@@ -6,9 +6,8 @@ use nailnoise_acoustics::signals::{energy_level, level_energy};
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
-use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
-use crate::stages::cycle::ShotRecord;
+use crate::stages::cycle::{EventWords, ShotRecord};
 use crate::stages::ranking::SoundPower;
 
 /// Range of levels shown below the highest \[dB\].
@@ -131,7 +130,11 @@ fn intervals(result: &RunResult) -> Panel {
     };
     let series: Vec<Series> = result.ranking.iter().enumerate().map(bars).collect();
     let first = result.ranking.first().map_or(&[][..], |source| &source.intervals);
-    let names: Vec<String> = first.iter().filter(lasting).map(|own| from_event(&own.from)).collect();
+    let names: Vec<String> = first
+        .iter()
+        .filter(lasting)
+        .map(|own| from_event(&own.from, &result.event_words))
+        .collect();
     Panel {
         x: Axis::levels("L_{WA,1s} in the interval", "dB", SHOWN, &series),
         height: 6 * names.len() as u32,
@@ -141,9 +144,10 @@ fn intervals(result: &RunResult) -> Panel {
 }
 
 /// The event at the start of an interval, by symbol and name.
-pub(crate) fn from_event(name: &str) -> String {
-    match event_name(name).split_once(' ') {
-        Some((_, words)) => format!("{} {words}", symbol(name)),
+pub(crate) fn from_event(name: &str, words: &EventWords) -> String {
+    match words.of_event(name) {
+        Some(words) if symbol(name) != name => format!("{} {words}", symbol(name)),
+        Some(words) => words.to_owned(),
         None if matches!(name, "start" | "end") => format!("{name} of the record"),
         None => name.replace('_', " "),
     }

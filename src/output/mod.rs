@@ -42,7 +42,6 @@ use crate::units::Units;
 
 pub use body_fields::BodyFields;
 pub use columns::{Column, columns, columns_of};
-pub use events::{EVENT_NAMES, event_name};
 pub use file::File;
 pub use film::Fields;
 pub use list::{OUTPUTS, of_cycle, of_keys, of_run, of_study};

@@ -3,7 +3,7 @@
 use nailnoise_dynamics::network::Record;
 
 use super::table::{coarse, numbers, optional, table};
-use super::{Exports, File, event_name};
+use super::{Exports, File};
 use crate::error::Error;
 
 /// Name of a channel's column: block and quantity joined by an underscore, with the unit.
@@ -62,9 +62,8 @@ pub fn of_network(record: &Record, exports: Exports) -> Result<Vec<File>, Error>
     });
     files.push(File::new("log.csv", table(["time [s]", "block", "word"], log)?));
     let events = record.events.iter().map(|event| {
-        let words = event_name(&event.name);
-        let words = words.split_once(' ').map_or("", |(_, words)| words).to_owned();
-        [event.name.clone(), words, optional(event.time, 9)]
+        let description = event.description.clone();
+        [event.name.clone(), description, optional(event.time, 9)]
     });
     files.push(File::new(
         "events.csv",

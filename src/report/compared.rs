@@ -285,7 +285,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
         // Each interval is named by the event at its start.
         let names = own
             .iter()
-            .map(|l| from_event(l.label.split('-').next().unwrap_or_default()));
+            .map(|l| from_event(l.label.split('-').next().unwrap_or_default(), &c.event_words));
         let names: Vec<String> = names.collect();
         let rows = names.iter().zip(own).map(|(name, l)| (name.as_str(), &l.levels));
         let upright = bars(

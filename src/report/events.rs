@@ -6,6 +6,7 @@ use nailnoise_dynamics::network::EventTime;
 use super::{chart, table};
 use crate::figures::{Chart, Event, Panel, Series, Shape};
 use crate::result::{IntervalLevel, RunResult};
+use crate::stages::cycle::EventWords;
 use crate::tables::cycle;
 
 /// Events that are shown at once.
@@ -66,8 +67,11 @@ pub(super) fn times(events: &[EventTime], loud: &[String]) -> Markup {
 }
 
 /// Levels between events: the loudest intervals, and behind them the others.
-pub(super) fn intervals(chart: &Chart, loud: &[String]) -> Markup {
-    let loud: Vec<String> = loud.iter().map(|name| crate::figures::from_event(name)).collect();
+pub(super) fn intervals(chart: &Chart, loud: &[String], words: &EventWords) -> Markup {
+    let loud: Vec<String> = loud
+        .iter()
+        .map(|name| crate::figures::from_event(name, words))
+        .collect();
     let part = |name: &str, caption: &str, wanted: bool| Chart {
         name: name.to_owned(),
         caption: caption.to_owned(),

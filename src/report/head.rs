@@ -3,10 +3,11 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use maud::{Markup, html};
+use nailnoise_quantities::rounded;
 
 use super::tables;
 use super::typography::{capitalised, with_code, with_subscripts};
-use crate::design::{Design, Value};
+use crate::design::{Design, Value, inputs};
 use crate::model::supports;
 use crate::result::{Ends, RankedSource, RunResult, StudySummary, pressures};
 use crate::stages::headline::Headline;
@@ -151,15 +152,30 @@ fn byline(design: &Design) -> Markup {
     html! { @if !said.is_empty() { p.byline { (said.join(" \u{b7} ")) } } }
 }
 
-/// Tool, pressure, nail, wood, support, date and program.
+/// Tool, pressure, nail, wood, support, date and program; of an assembly, its own fasteners and what it has.
 fn given(design: &Design) -> Markup {
     let [supply, ambient] = [design.supply.pressure, design.ambient.pressure];
-    let nail = format!(
-        "{}{:.1} \u{d7} {:.2} mm",
-        named(design, "nail.kind"),
-        1e3 * design.nail.length,
-        1e3 * design.nail.diameter
-    );
+    let own = inputs::assembly::facts(design);
+    let nails = match &own {
+        None => {
+            let nail = format!(
+                "{}{:.1} \u{d7} {:.2} mm",
+                named(design, "nail.kind"),
+                1e3 * design.nail.length,
+                1e3 * design.nail.diameter
+            );
+            vec![("nail".to_owned(), nail)]
+        }
+        Some(own) => {
+            let fastener = |(name, length, mass): &(String, f64, f64)| {
+                let size = format!("{:.1} mm, {} g", 1e3 * length, rounded(1e3 * mass, 3, 1e6));
+                (name.replace('_', " "), size)
+            };
+            own.fasteners.iter().map(fastener).collect()
+        }
+    };
+    let has_workpiece = own.as_ref().is_none_or(|own| own.has_workpiece);
+    let is_supplied = own.as_ref().is_none_or(|own| own.supplied);
     let block = &design.workpiece;
     let wood = format!(
         "{}{:.0} kg/m\u{b3}; {:.0} \u{d7} {:.0} \u{d7} {:.0} mm",
@@ -169,15 +185,19 @@ fn given(design: &Design) -> Markup {
         1e3 * block.width,
         1e3 * block.thickness
     );
-    let facts = [
-        ("tool", design.name().to_owned()),
-        ("supply pressure", pressures(supply, ambient)),
-        ("nail", nail),
-        ("wood, block", wood),
-        ("support", supports::of(design).name()),
-        ("computed", format!("{} (UTC)", today())),
-        ("program", format!("nailnoise {}", env!("CARGO_PKG_VERSION"))),
-    ];
+    let mut facts = vec![("tool".to_owned(), design.name().to_owned())];
+    if is_supplied {
+        facts.push(("supply pressure".to_owned(), pressures(supply, ambient)));
+    }
+    facts.extend(nails);
+    if has_workpiece {
+        facts.push(("wood, block".to_owned(), wood));
+        facts.push(("support".to_owned(), supports::of(design).name()));
+    }
+    facts.extend([
+        ("computed".to_owned(), format!("{} (UTC)", today())),
+        ("program".to_owned(), format!("nailnoise {}", env!("CARGO_PKG_VERSION"))),
+    ]);
     html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
 }
 

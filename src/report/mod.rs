@@ -68,7 +68,7 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 20] = [
+const SHOWN: [&str; 21] = [
     "schema",
     "design",
     "inputs",
@@ -80,6 +80,7 @@ const SHOWN: [&str; 20] = [
     "cycle",
     "performance",
     "events",
+    "event_words",
     "sensors",
     "transducers",
     "microphones",
@@ -183,7 +184,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Levels",
             html! {
                 @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) }
-                @if let Some(chart) = &intervals { (events::intervals(chart, &loud)) }
+                @if let Some(chart) = &intervals { (events::intervals(chart, &loud, &result.event_words)) }
             },
         )
         .on_a_page(),
@@ -209,7 +210,12 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         )
         .in_the_appendix(),
         Section::new("microphones", "Microphones", sound::measured(result)).in_the_appendix(),
-        Section::new("modes", "Loudest modes", html! { (PreEscaped(&pictures.modes)) }).in_the_appendix(),
+    ]);
+    if !pictures.modes.is_empty() {
+        let modes = html! { (PreEscaped(&pictures.modes)) };
+        sections.push(Section::new("modes", "Loudest modes", modes).in_the_appendix());
+    }
+    sections.extend([
         Section::new("drawing", "Drawing", drawing::section(design)).in_the_appendix(),
         Section::new(
             "cycle",

@@ -42,7 +42,11 @@ pub(super) fn title(painted: &ColouredSurface<'_>, mode: usize) -> String {
     format!("{}, mode {}, {}", painted.body.name, mode + 1, name(painted, mode))
 }
 
+/// The section; empty for a tool without elastic bodies.
 pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
+    if bodies.is_empty() {
+        return html! {};
+    }
     let modes = by_level(bodies);
     let modes: Vec<(&ColouredSurface<'_>, usize)> = modes.iter().map(|(body, mode)| (&bodies[*body], *mode)).collect();
     let drawn = &modes[..DRAWN.min(modes.len())];

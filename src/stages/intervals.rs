@@ -85,6 +85,7 @@ mod tests {
     fn edges_are_in_the_order_of_their_times() {
         let event = |name: &str, time| EventTime {
             name: name.to_owned(),
+            description: String::new(),
             time,
         };
         let events = [

@@ -24,8 +24,10 @@ pub struct NoteInputs<'a> {
     pub fluid_loading_changes: &'a [FluidLoadingChange],
     /// Parts without levels above a frequency.
     pub truncations: Vec<String>,
-    /// How the response ended, in words.
-    pub ending: &'a str,
+    /// How the response ended, in words; `None` for a tool without a workpiece.
+    pub ending: Option<&'a str>,
+    /// Names of the keys on which a landing of the tool depends.
+    pub landing_keys: Vec<String>,
     /// Sensors on bodies that are not in the design.
     pub idle_sensors: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
@@ -59,7 +61,7 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
     let landing = Landing::of(record);
-    shot.extend(landing.as_ref().map(Landing::note));
+    shot.extend(landing.as_ref().map(|own| own.note(&inputs.landing_keys)));
     shot.extend(inputs.sources.iter().flat_map(|source| source.shot.iter().cloned()));
     let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
     shot.extend(list(
@@ -81,7 +83,7 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     methods.extend(complete_impedance_note(inputs.fluid_loading_changes));
     methods.extend(inputs.truncations.iter().cloned());
     methods.extend(inputs.convention.iter().cloned());
-    methods.push(inputs.ending.to_owned());
+    methods.extend(inputs.ending.map(str::to_owned));
     methods.extend(list(
         "unused sensors, because their body is not in this design",
         &inputs.idle_sensors,
@@ -96,7 +98,7 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
         "sensors whose upper frequency limit is that of the modes of their body",
         &limited,
     ));
-    if landing.is_none() {
+    if landing.is_none() && record.tool.is_some() && record.workpiece.is_some() {
         methods.push("the tool's later landing is not part of the shot".to_owned());
     }
     Notes { shot, methods }
@@ -139,11 +141,18 @@ impl Landing {
         None
     }
 
-    fn note(&self) -> String {
+    /// The landing in words, with the keys on which it depends.
+    fn note(&self, keys: &[String]) -> String {
+        let quoted: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
+        let depends = match quoted.as_slice() {
+            [] => String::new(),
+            [one] => format!(", which depends on {one}"),
+            [others @ .., last] => format!(", which depends on {} and {last}", others.join(", ")),
+        };
         format!(
             "the tool lands on the workpiece after {:.1} ms, at {:.1} m/s, before the end of its cycle: levels \
              include this \
-             blow of up to {:.1} kN, which depends on `hand.mass`, `hand.force` and `contacts.nose_stiffness`",
+             blow of up to {:.1} kN{depends}",
             1e3 * self.time,
             self.speed,
             1e-3 * self.force
@@ -272,6 +281,9 @@ mod tests {
             "{} against {fall}",
             landing.speed
         );
-        assert!(landing.note().starts_with("the tool lands on the workpiece"));
+        let note = |keys: &[&str]| landing.note(&keys.iter().map(|key| (*key).to_owned()).collect::<Vec<_>>());
+        assert!(note(&[]).starts_with("the tool lands on the workpiece") && note(&[]).ends_with(" kN"));
+        assert!(note(&["hand.mass"]).ends_with(" kN, which depends on `hand.mass`"));
+        assert!(note(&["a", "b", "c"]).ends_with(" kN, which depends on `a`, `b` and `c`"));
     }
 }

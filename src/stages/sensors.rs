@@ -85,8 +85,9 @@ pub struct Sensors {
     pub accelerometers: Vec<Accelerometer>,
     /// The cycle.
     pub cycle: Stored<ShotRecord>,
-    /// Response of workpiece and support, whose step the signals share.
-    pub vibration: Stored<Vibration>,
+    /// Response of workpiece and support, whose step the signals share; none for a tool without a workpiece, whose
+    /// signals have the step of the cycle.
+    pub vibration: Option<Stored<Vibration>>,
     /// Motions of the elastic bodies.
     pub motions: Vec<Stored<BodyMotion>>,
 }
@@ -119,16 +120,18 @@ impl Sensors {
     /// # Errors
     /// The errors of previous stages and of the filter.
     pub(super) fn records(&self) -> Result<Vec<SensorRecord>, Error> {
-        let (record, vibration) = (self.cycle.get()?, self.vibration.get()?);
+        let record = self.cycle.get()?;
+        let vibration = self.vibration.as_ref().map(Stored::get).transpose()?;
         let motions = all(&self.motions)?;
         let motions: Vec<&SensorMotion> = motions.iter().map(|motion| &motion.sensors).collect();
-        let response = &vibration.response;
+        let of_response = vibration.map(|own| (own.response.step, own.response.samples()));
+        let (step, of_response) = of_response.unwrap_or((record.sample_interval, 0));
         let others = motions.iter().filter(|motion| !motion.names.is_empty());
         let others = others.map(|motion| motion.acceleration.nrows());
         // The tool may still move when the workpiece has come to rest.
-        let cycle = (record.len() as f64 * record.sample_interval / response.step).ceil() as usize;
-        let samples = others.fold(response.samples().max(cycle), usize::max);
-        signals(&self.accelerometers, (response.step, samples), &record, &motions)
+        let cycle = (record.len() as f64 * record.sample_interval / step).ceil() as usize;
+        let samples = others.fold(of_response.max(cycle), usize::max);
+        signals(&self.accelerometers, (step, samples), &record, &motions)
     }
 }
 

@@ -52,6 +52,8 @@ pub enum FieldMethod {
     Rayleigh(FlushTop, Stored<Box<dyn Radiator>>),
     /// The equivalent radiated power yields no field.
     Erp,
+    /// The tool has no workpiece.
+    Absent,
 }
 
 /// The elastic tool and its field.
@@ -161,6 +163,12 @@ impl SoundFields {
                     series: field.series,
                 }
             }
+            FieldMethod::Absent => Fields {
+                method: "none".to_owned(),
+                notes: vec!["the tool has no workpiece: the fields show its body, if that is elastic".to_owned()],
+                checks: Vec::new(),
+                series: Vec::new(),
+            },
             FieldMethod::Erp => Fields {
                 method: "equivalent radiated power".to_owned(),
                 notes: vec![

@@ -75,7 +75,7 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
     }
     let shots = made.tally.shots();
     if !design.study().require.is_empty() && shots > 0 {
-        let count = |word: &&str| made.tally.outcomes.get(*word).copied().unwrap_or(0);
+        let count = |word: &String| made.tally.outcomes.get(word).copied().unwrap_or(0);
         let counted: u64 = design.study().require.iter().map(count).sum();
         notes.push(format!(
             "only these outcomes count: {}, {:.1} % of {shots} shots; all results hold on that condition",

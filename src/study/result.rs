@@ -276,7 +276,7 @@ impl StudyResult {
             headline: None,
             draws: draws.len(),
             structures: made.structures,
-            require: design.study().require.iter().map(|word| (*word).to_owned()).collect(),
+            require: design.study().require.clone(),
             candidates: Candidates {
                 drawn: made.tally.candidates,
                 outcomes: made.tally.outcomes.clone(),

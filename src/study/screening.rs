@@ -244,7 +244,7 @@ pub fn screen(
 pub(super) fn qualifies(design: &Design, outcome: &ShotOutcome) -> bool {
     let require = &design.study().require;
     match outcome {
-        ShotOutcome::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),
+        ShotOutcome::Shot(shot) => require.is_empty() || require.contains(&shot.outcome),
         ShotOutcome::DryFire | ShotOutcome::SolverFailure(_) | ShotOutcome::Refused(_) => false,
     }
 }

@@ -160,11 +160,11 @@ fn is_outside(spread: &LevelSpread, level: Option<f64>) -> bool {
 
 /// The reason why no draw of a study is a shot like that of a run: its outcome is not one that counts.
 fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
-    let (require, outcome) = (&design.study().require, run.outcome.as_str());
-    if require.is_empty() || require.contains(&outcome) {
+    let (require, outcome) = (&design.study().require, &run.outcome);
+    if require.is_empty() || require.contains(outcome) {
         return None;
     }
-    let [own, counted] = [outcome.to_owned(), require.join(" or ")].map(|words| words.replace('_', " "));
+    let [own, counted] = [outcome.clone(), require.join(" or ")].map(|words| words.replace('_', " "));
     Some(NoStudy {
         reason: format!(
             "the shot ends as \"{own}\", and `study.require` counts only \"{counted}\": no interval, no P(first) and \

@@ -5,7 +5,6 @@ use serde_json::Value;
 
 use super::{Cell, Column, Table, dash, decibels, fixed};
 use crate::comparison::{Comparison, Labelled, Levels, ValueRow};
-use crate::output::event_name;
 use crate::result::{Ends, PerformanceFigure};
 use crate::study::legend;
 use crate::wording::{band, change, readable};
@@ -134,7 +133,7 @@ impl Comparison {
         });
         let events = self.events.iter().filter(|row| differ(row)).map(|row| {
             let values = row.values.iter().map(|time| fixed(time.map(|time| 1e3 * time), 3));
-            std::iter::once(labelled(&event_name(&row.name), "ms"))
+            std::iter::once(labelled(&self.event_words.in_words(&row.name), "ms"))
                 .chain(values)
                 .map(Cell::from)
                 .collect()

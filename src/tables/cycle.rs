@@ -4,16 +4,17 @@ use nailnoise_dynamics::Summary;
 use nailnoise_dynamics::network::EventTime;
 
 use super::{Column, Table, dash, fixed};
-use crate::output::event_name;
+use crate::stages::cycle::event_in_words;
 use crate::wording::figure;
 
 /// Times of the events.
 pub(crate) fn events(events: &[EventTime]) -> Table {
     let rows = events.iter().map(|event| {
-        let words = event_name(&event.name);
-        let words = match words.split_once(' ') {
-            Some((symbol, name)) => format!("{symbol:<3} {name}"),
-            None => words.replace('_', " "),
+        let words = event_in_words(&event.name, &event.description);
+        // The descriptions of t0 to t18 are aligned.
+        let words = match words.strip_prefix(&format!("{} ", event.name)) {
+            Some(rest) => format!("{:<3} {rest}", event.name),
+            None => words,
         };
         vec![words.into(), fixed(event.time.map(|time| 1e3 * time), 3).into()]
     });

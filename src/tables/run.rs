@@ -2,7 +2,6 @@
 
 use super::{Bar, Cell, Column, Table, dash, decibels};
 use crate::figures::in_palette;
-use crate::output::event_name;
 use crate::result::{BandLevel, Check, Component, RankedSource, RunResult, loudest};
 use crate::study::legend;
 use crate::wording::{band, change};
@@ -33,7 +32,7 @@ pub(crate) fn ranking(result: &RunResult) -> Table {
             share,
             format!("{} dB", change(-without(source.share))).into(),
             loudest_band(&source.bands),
-            dash(interval, |interval| event_name(&interval.from)).into(),
+            dash(interval, |interval| result.event_words.in_words(&interval.from)).into(),
         ];
         [name, level]
             .into_iter()

@@ -4,10 +4,11 @@ use nailnoise::chain::{self, Chain, Options};
 use nailnoise::design::Value;
 use nailnoise::graph::Graph;
 use nailnoise::run::Run;
+use nailnoise::store::{LIMIT, Store};
 use nailnoise::study::{Variable, variables};
 use nailnoise::{Design, Error};
 
-use crate::common::{design, run, small};
+use crate::common::{ROOT, design, folder, run, run_with_chain, small};
 
 /// The tool of the page "Describe another tool", on the small design.
 fn stapler(more: &str) -> Design {
@@ -98,6 +99,81 @@ fn a_blow_gun_has_its_nozzle_as_the_only_source() {
     let run = run(&small("[cycle]\nassembly = \"blow_gun\"\nend = \"40 ms\""));
     assert_eq!(sources(&run), ["exhaust"]);
     assert_eq!(run.result.ranking[0].share, 1.0);
+}
+
+/// Of the stages of a run, only those that its sources read are computed.
+#[test]
+fn a_tool_without_a_workpiece_solves_no_body_and_computes_no_radiation() {
+    let text = "[cycle]\nassembly = \"blow_gun\"\nend = \"40 ms\"\n[acoustics]\nmethod = \"bem\"";
+    let folder = folder("assemblies/no-workpiece");
+    let (run, chain) = run_with_chain(&small(text), Store::at(folder, LIMIT));
+    assert!(chain.structure.is_empty() && chain.tool.is_none());
+    let timing = serde_json::to_value(&run.result.timing).unwrap();
+    let stages: Vec<&String> = timing.as_object().unwrap().keys().collect();
+    assert!(stages.iter().any(|stage| stage.contains("cycle")), "{stages:?}");
+    for part in ["mesh", "modes", "radiation", "fluid", "response", "workpiece"] {
+        assert!(!stages.iter().any(|stage| stage.contains(part)), "{part} of {stages:?}");
+    }
+    let notes = [run.result.notes, run.result.method_notes].concat().join("\n");
+    assert!(notes.contains("has no body `workpiece`"), "{notes}");
+    assert!(!notes.contains("landing") && !notes.contains("response"), "{notes}");
+}
+
+/// Of the outcomes of a tool, `study.require` takes those that its assembly declares.
+#[test]
+fn a_study_requires_outcomes_that_the_assembly_declares() {
+    let required = |text: &str| small(text).study().require.clone();
+    let own = required("[cycle]\nassembly = \"stapler\"\n[study]\nrequire = [\"misfires\", \"drives\"]");
+    assert_eq!(own, ["misfires", "drives"]);
+    let declared = "[cycle]\nassembly = \"blow_gun\"\n[cycle.outcome]\nhums = \"steady\"\n[study]\nrequire = \"hums\"";
+    assert_eq!(required(declared), ["hums"]);
+    // The requirement of the base applies to a tool that knows it.
+    assert_eq!(required("[cycle]\nassembly = \"stapler\""), ["drives"]);
+    assert!(required("[cycle]\nassembly = \"blow_gun\"").is_empty());
+}
+
+#[test]
+fn a_required_outcome_that_the_assembly_does_not_declare_is_refused_with_those_it_declares() {
+    let refused = |text: &str| {
+        let beside = std::path::Path::new(ROOT).join("tests/data/over.toml");
+        let error = Design::parse(&format!("base = \"small.toml\"\n{text}"), beside).unwrap_err();
+        error.to_string()
+    };
+    let text = "[cycle]\nassembly = \"blow_gun\"\n[study]\nrequire = \"drives\"";
+    let message = refused(text);
+    for part in ["study.require", "\"drives\"", "does_not_blow, blows"] {
+        assert!(message.contains(part), "{message}");
+    }
+    let none = "[cycle]\nassembly = \"blow_gun\"\noutcome = []\n[study]\nrequire = \"blows\"";
+    assert!(refused(none).contains("[cycle.outcome]"), "{}", refused(none));
+}
+
+#[test]
+fn a_landing_names_the_keys_of_its_tool() {
+    // The hand lifts the tool and lets it fall.
+    let text = "[cycle]\nassembly = \"stapler\"\nend = \"60 ms\"\n[cycle.force]\nlift = { on = \"tool\", table = \
+                [[\"0 s\", \"0 N\"], [\"20 ms\", \"0 N\"], [\"21 ms\", \"-600 N\"], [\"24 ms\", \"0 N\"]] }\n\
+                [cycle.contact.nose]\nstiffness = \"18 kN/mm\"";
+    let notes = run(&small(text)).result.notes.join("\n");
+    assert!(notes.contains("the tool lands on the workpiece"), "{notes}");
+    assert!(
+        notes.contains("which depends on `hand.force` and `cycle.contact.nose.stiffness`"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn events_of_an_assembly_have_its_own_words() {
+    let text = "[cycle]\nassembly = \"stapler\"\n[cycle.event]\n\
+                t12 = { text = \"piston returns\", becomes = \"piston.speed < 0 m/s\", after = \"strike\" }\n\
+                t13 = { becomes = \"piston.travel <= 10 mm\", after = \"t12\" }";
+    let run = run(&small(text));
+    let words = &run.result.event_words;
+    assert_eq!(words.in_words("t12"), "t12 piston returns");
+    assert_eq!(words.in_words("t13"), "t13");
+    assert_eq!(words.in_words("strike"), "strike: driver meets the staple");
+    let keys = crate::common::run(&small(""));
+    assert_eq!(keys.result.event_words.in_words("t12"), "t12 trigger valve released");
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod layering;
 mod modules;
 mod radiation;
 mod requirements;
+mod rigid_housing;
 mod sensitivity;
 mod sound_files;
 mod sources;

@@ -19,6 +19,7 @@ mod mesh;
 mod migrate;
 mod optimise;
 mod outcomes;
+mod own_assembly;
 mod penetration;
 mod penetration_fit;
 mod penetration_tables;

@@ -12,4 +12,5 @@ mod migration;
 mod names;
 mod report;
 mod scaling;
+mod schema;
 mod set;

@@ -612,8 +612,12 @@ impl<'p> Run<'p> {
         let times = self.events.times(plan, self.t);
         plan.observe(Need::Forces, self.t, &self.y, &self.mode, &mut self.w);
         let outcome = Events::outcome(plan, &times, &self.mode, &self.w)?;
-        let names = plan.assembly.events.iter().map(|event| event.name.clone());
-        let events = names.zip(times).map(|(name, time)| EventTime { name, time }).collect();
+        let events = plan.assembly.events.iter().zip(times).map(|(event, time)| EventTime {
+            name: event.name.clone(),
+            description: event.description.clone(),
+            time,
+        });
+        let events = events.collect();
         let checks = self.audit.checks(plan);
         let integrals = plan.ledger.iter().zip(&self.y[plan.states()..]);
         let mut ledger: Vec<LedgerEntry> = integrals

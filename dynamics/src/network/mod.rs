@@ -42,7 +42,10 @@ pub use record::{
     Channel, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory, Record, Strike,
 };
 pub use resistance::FastenerResistance;
-pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyValue, Keys, Literal, Resolved};
+pub use text::{
+    AssemblyError, AssemblyText, BUILT_IN, CYCLE, DeclaredKey, Fault, FieldSpec, FieldType, KeyValue, Keys, LAYOUT,
+    Literal, Resolved, TableSpec,
+};
 
 /// Integrates an assembly from the trigger at t = 0 to its end.
 ///

@@ -28,6 +28,9 @@ pub struct Channel {
 pub struct EventTime {
     /// Name.
     pub name: String,
+    /// Description; empty if there is none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub description: String,
     /// Time \[s\]; none if it did not happen.
     pub time: Option<f64>,
 }

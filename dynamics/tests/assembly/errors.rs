@@ -219,6 +219,10 @@ fn laws_of_the_network_are_checked() {
             &["no passage and no face"],
         ),
         (
+            "[cycle.opening.exhaust]\nreplace = true\npassage = \"exhaust\"\nrestriction = \"seat\"",
+            &["has no field `area`", "area = \"20 mm2\""],
+        ),
+        (
             "[cycle.opening]\nvent = false",
             &["cycle.passage.vent", "without an opening", "silent = true"],
         ),
@@ -232,17 +236,49 @@ fn laws_of_the_network_are_checked() {
         ),
         (
             "[cycle.load.tool]\nbore = false",
-            &["loads on \"tool\" do not add up", "piston_friction in place of 1"],
+            &[
+                "loads on \"tool\" do not add up",
+                "1 N of `piston_friction.force` adds 0 N to the loads, but 1 N to the force on the body",
+                "add `+ piston_friction.force` to a surface of [cycle.load.tool]",
+            ],
         ),
         (
             "[cycle.load.tool]\nrim = \"seat.force + (Ai + Ah3 - A1)*above_piston.gauge\"",
-            &["of supply in place of 2.35"],
+            &[
+                "100 kPa of `supply.gauge` adds 0 N to the loads, but 23.5376 N to the force on the body",
+                "add `+ A*supply.gauge` with A = 235",
+                " mm2 to a surface of [cycle.load.tool]",
+            ],
+        ),
+        (
+            "[cycle.load.tool]\nhandle = \"2*hand.force\"",
+            &[
+                "1 N of `hand.force` adds 2 N to the loads, but 1 N to the force on the body",
+                "add `- hand.force`",
+            ],
         ),
         (
             "[cycle.load.workpiece]\nextra = \"tool.mass*tool.acceleration\"",
             &["exert no force"],
         ),
     ]);
+}
+
+/// A block that an own file adds to the N80CB, or a field, is the place of the error, not the assembly that it changes.
+#[test]
+fn an_error_of_a_change_is_in_the_file_that_makes_it() {
+    let bumper = "[cycle.contact.bumper2]\nacts = { on = \"piston\", against = \"tool\", stop = \"below\", \
+                  at = \"60 mm\" }\nstiffness = \"200 N/mm\"";
+    let (message, error) = refusal(bumper);
+    assert_eq!((error.at.file(), error.at.line()), ("own.toml", 3), "{message}");
+    assert!(
+        message.contains("1 N of `bumper2.force` adds 0 N to the loads, but 1 N to the force on the body")
+            && message.contains("add `+ bumper2.force` to a surface of [cycle.load.tool]"),
+        "{message}"
+    );
+    let (message, error) = refusal("[cycle.passage.leak]\n\nramp = { area = \"3 mm2\", time = \"1 ms\" }");
+    assert_eq!((error.at.file(), error.at.line()), ("own.toml", 5), "{message}");
+    assert!(message.contains("more than one of area, ramp"), "{message}");
 }
 
 #[test]

@@ -54,6 +54,15 @@ fn blocks_merge_field_by_field_and_new_ones_are_appended() {
     );
 }
 
+/// A literal of the passage then changes both.
+#[test]
+fn an_opening_without_an_area_has_the_constant_area_of_its_passage() {
+    let own = "[cycle]\nassembly = \"n80cb\"\n[cycle.passage.vent]\narea = \"7 mm2\"\n\
+               [cycle.opening.vent]\nreplace = true\npassage = \"vent\"\n";
+    let vent = read(&[own], &[]).assembly.openings[1].clone();
+    assert_eq!((vent.name.as_str(), vent.area, vent.count), ("vent", 7e-6, 1.0));
+}
+
 #[test]
 fn replace_drops_the_fields_of_the_base() {
     let chamber = read(&[CHAMBER], &[]).assembly;

@@ -44,6 +44,7 @@ pub(crate) fn at_most(a: Expression, b: f64) -> Condition {
 pub(crate) fn event(name: &str, edge: Edge) -> Event {
     Event {
         name: name.to_owned(),
+        description: String::new(),
         edge,
         after: None,
         delay: 0.0,

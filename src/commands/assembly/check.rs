@@ -17,6 +17,7 @@ use crate::design::inputs::assembly::AssembledTool;
 use crate::design::quantity_in_words;
 use crate::drawing;
 use crate::error::Error;
+use crate::stages::cycle::event_in_words;
 
 /// Layout of `check --json` of an assembly.
 #[derive(Serialize)]
@@ -378,7 +379,8 @@ fn events(tool: &AssembledTool) -> Table {
         let after = event
             .after
             .map_or_else(String::new, |after| format!("after {}", assembly.events[after].name));
-        vec![event.name.clone(), format!("{field} {text}"), after]
+        let words = event_in_words(&event.name, &event.description);
+        vec![words, format!("{field} {text}"), after]
     };
     Table {
         name: "events",

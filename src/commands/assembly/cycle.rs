@@ -12,6 +12,7 @@ use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
 use crate::output::{self, Exports};
+use crate::stages::cycle::event_in_words;
 use crate::tables::{self, fixed};
 use crate::units::Units;
 
@@ -126,10 +127,10 @@ fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
             text.push('\n');
         }
     };
-    let events = record
-        .events
-        .iter()
-        .map(|event| vec![event.name.clone(), fixed(event.time.map(|time| 1e3 * time), 3)]);
+    let events = record.events.iter().map(|event| {
+        let words = event_in_words(&event.name, &event.description);
+        vec![words, fixed(event.time.map(|time| 1e3 * time), 3)]
+    });
     section(["event", "time ms"], events.collect());
     let peaks = record
         .peaks

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use nailnoise_dynamics::network::assembly::Base;
 use nailnoise_dynamics::network::{Assembly, AssemblyText, Numerics, Resolved};
 use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 use nailnoise_quantities::Group as _;
@@ -136,6 +137,78 @@ pub(crate) fn fastener_length(design: &Design) -> Option<f64> {
     let workpiece = body(&cycle.assembly, WORKPIECE)?;
     let mut fasteners = cycle.assembly.fasteners.iter();
     fasteners.find(|own| own.into == workpiece).map(|own| own.length)
+}
+
+/// Whether a design's tool has a body of this name. That of the keys has housing and workpiece, and so has a tool whose
+/// assembly has an error, which a run reports.
+fn design_has(design: &Design, name: &str) -> bool {
+    match cycle(design) {
+        Ok(Some(cycle)) => body(&cycle.assembly, name).is_some(),
+        Ok(None) | Err(_) => true,
+    }
+}
+
+/// Whether a design's tool works on a workpiece.
+pub(crate) fn has_workpiece(design: &Design) -> bool {
+    design_has(design, WORKPIECE)
+}
+
+/// Whether a design's tool has a housing.
+pub(crate) fn has_housing(design: &Design) -> bool {
+    design_has(design, TOOL)
+}
+
+/// What an assembly says about its shot, for the head of a report.
+pub(crate) struct AssemblyFacts {
+    /// Whether it uses the supply pressure of the design.
+    pub(crate) supplied: bool,
+    /// Whether it has a workpiece.
+    pub(crate) has_workpiece: bool,
+    /// Name, length \[m\] and mass \[kg\] of each fastener.
+    pub(crate) fasteners: Vec<(String, f64, f64)>,
+}
+
+/// The facts of a design's assembly; none for the tool of the keys.
+pub(crate) fn facts(design: &Design) -> Option<AssemblyFacts> {
+    let resolved = design.assembly()?.resolve(&design.assembly_keys().ok()?).ok()?;
+    let fasteners = resolved.assembly.fasteners.iter();
+    Some(AssemblyFacts {
+        supplied: resolved.keys.contains("supply.pressure"),
+        has_workpiece: body(&resolved.assembly, WORKPIECE).is_some(),
+        fasteners: fasteners.map(|own| (own.name.clone(), own.length, own.mass)).collect(),
+    })
+}
+
+/// Keys of the N80CB on which the blow of its landing depends.
+const LANDING: [&str; 3] = ["hand.mass", "hand.force", "contacts.nose_stiffness"];
+
+/// Keys and literals on which the blow of a landing tool depends: the force on the housing, and the stiffness of its
+/// contacts with the workpiece.
+///
+/// # Errors
+/// [`Error::Design`] with place and remedy.
+pub(crate) fn landing_keys(design: &Design) -> Result<Vec<String>, Error> {
+    let Some(text) = design.assembly() else {
+        return Ok(LANDING.map(str::to_owned).to_vec());
+    };
+    let resolved = text.resolve(&design.assembly_keys()?).map_err(refused_assembly)?;
+    let assembly = &resolved.assembly;
+    let (Some(tool), Some(workpiece)) = (body(assembly, TOOL), body(assembly, WORKPIECE)) else {
+        return Ok(Vec::new());
+    };
+    let pair = |on: usize, against: Base| {
+        (on == tool && against == Base::Body(workpiece)) || (on == workpiece && against == Base::Body(tool))
+    };
+    let contacts = assembly.contacts.iter().filter(|own| pair(own.on, own.against));
+    let stiffnesses = contacts.map(|own| format!("cycle.contact.{}.stiffness", own.name));
+    let forces = assembly.forces.iter().filter(|own| own.on == tool);
+    let forces = forces.map(|own| format!("cycle.force.{}.force", own.name));
+    let is_literal = |path: &String| resolved.literals.iter().any(|own| own.path == *path);
+    let of_keys = LANDING.into_iter().filter(|key| resolved.keys.contains(*key));
+    Ok(of_keys
+        .map(str::to_owned)
+        .chain(forces.chain(stiffnesses).filter(is_literal))
+        .collect())
 }
 
 /// Index of a body of an assembly.

@@ -3,6 +3,7 @@
 use nailnoise_acoustics::radiation::flush_with_sand::MovingSand;
 use nalgebra::Vector3;
 
+use super::assembly::{has_housing, has_workpiece};
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, Transducer};
 use crate::error::Error;
 use crate::model::supports;
@@ -87,10 +88,11 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
 
 /// Names of the sensors on bodies that the design lacks.
 pub(crate) fn without_body(design: &Design) -> Vec<&str> {
+    let carried = carriers(design);
     let absent = design
         .sensors
         .iter()
-        .filter(|(_, sensor)| !carries(design, sensor.body));
+        .filter(|(_, sensor)| !carried.contains(&sensor.body));
     absent.map(|(name, _)| name.as_str()).collect()
 }
 
@@ -105,14 +107,22 @@ pub(crate) fn limited(design: &Design) -> Vec<(&str, f64)> {
 
 /// The sensors on bodies that the design has, by name.
 fn present(design: &Design) -> impl Iterator<Item = (&String, &Sensor)> {
-    design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body))
+    let carried = carriers(design);
+    let sensors = design.sensors.iter();
+    sensors.filter(move |(_, sensor)| carried.contains(&sensor.body))
 }
 
-fn carries(design: &Design, body: Carrier) -> bool {
-    match body {
-        Carrier::Workpiece | Carrier::Tool => true,
-        Carrier::Worktable | Carrier::Sand => supports::of(design).carriers().contains(&body),
+/// Bodies that the design has.
+fn carriers(design: &Design) -> Vec<Carrier> {
+    let mut carriers = Vec::new();
+    if has_housing(design) {
+        carriers.push(Carrier::Tool);
     }
+    if has_workpiece(design) {
+        carriers.push(Carrier::Workpiece);
+        carriers.extend(supports::of(design).carriers());
+    }
+    carriers
 }
 
 /// Top frequency of the modes of a body \[Hz\], above which modes and static corrections no longer describe its motion;

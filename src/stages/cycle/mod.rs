@@ -15,8 +15,10 @@ use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
 pub(crate) use of_assembly::{TOOL, WORKPIECE};
-pub use of_keys::event_times;
-pub use shot::{BORE, EngineRecord, EventTimes, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures};
+pub use of_keys::{EVENT_NAMES, event_times};
+pub use shot::{
+    BORE, EngineRecord, EventTimes, EventWords, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures, event_in_words,
+};
 
 /// One nailing cycle of the tool described by a design's keys: chamber pressures, motions, events, contact forces and
 /// exhaust flow.

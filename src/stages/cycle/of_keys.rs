@@ -72,11 +72,35 @@ impl ShotRecord {
     }
 }
 
+/// Description of each event, in the order t0..t18.
+pub const EVENT_NAMES: [&str; 19] = [
+    "trigger pulled",
+    "head valve lifts",
+    "volume above valve vented",
+    "intake opens",
+    "piston starts",
+    "rod meets the nail",
+    "nail meets the wood",
+    "piston at 50.51 mm down",
+    "check-ring holes uncovered",
+    "piston stops relative to the workpiece",
+    "piston on the bumper",
+    "piston at rest on the bumper",
+    "trigger valve released",
+    "exhaust opens",
+    "return stroke begins",
+    "piston at 50.51 mm up",
+    "piston on the stopper",
+    "exhaust ended",
+    "piston at rest on the stopper",
+];
+
 /// Times of the events t0 to t18 by name.
 pub fn event_times(events: &Events) -> Vec<EventTime> {
-    let times = events.to_array().into_iter().enumerate();
-    let named = times.map(|(number, time)| EventTime {
+    let times = events.to_array().into_iter().zip(EVENT_NAMES).enumerate();
+    let named = times.map(|(number, (time, description))| EventTime {
         name: format!("t{number}"),
+        description: description.to_owned(),
         time,
     });
     named.collect()

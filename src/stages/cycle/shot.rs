@@ -7,7 +7,7 @@ use nailnoise_dynamics::{Body, CycleRecord, Summary};
 use nailnoise_quantities::Check;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Wall of the cylinder, which the piston divides.
 pub const BORE: &str = "bore";
@@ -166,6 +166,60 @@ impl Serialize for EventTimes {
             map.serialize_entry(&event.name, &event.time)?;
         }
         map.end()
+    }
+}
+
+/// Descriptions of events by name; those without a description are absent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct EventWords(BTreeMap<String, String>);
+
+impl EventWords {
+    /// The descriptions of the events of a shot.
+    pub fn of(events: &[EventTime]) -> Self {
+        let described = events.iter().filter(|event| !event.description.is_empty());
+        Self(
+            described
+                .map(|event| (event.name.clone(), event.description.clone()))
+                .collect(),
+        )
+    }
+
+    /// The descriptions of several shots; for an event of several shots that of the first.
+    pub fn joined<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
+        let mut words = BTreeMap::new();
+        for (name, description) in all.flat_map(|own| &own.0) {
+            words.entry(name.clone()).or_insert_with(|| description.clone());
+        }
+        Self(words)
+    }
+
+    /// Whether no event has a description.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Description of an event, if it has one.
+    pub fn of_event(&self, name: &str) -> Option<&str> {
+        self.0.get(name).map(String::as_str)
+    }
+
+    /// An event by name and description: see [`event_in_words`].
+    pub fn in_words(&self, name: &str) -> String {
+        event_in_words(name, self.of_event(name).unwrap_or_default())
+    }
+}
+
+/// An event by name and description, as in "t12 trigger valve released" or "strike: driver meets the staple"; by its
+/// name alone if it has no description, or if the name says the same.
+pub fn event_in_words(name: &str, description: &str) -> String {
+    let plain = name.replace('_', " ");
+    let is_number = |number: &str| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+    match description {
+        "" => plain,
+        same if same == plain => plain,
+        words if name.strip_prefix('t').is_some_and(is_number) => format!("{plain} {words}"),
+        words => format!("{plain}: {words}"),
     }
 }
 

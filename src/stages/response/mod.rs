@@ -127,8 +127,9 @@ impl Stage for Response {
 pub struct End {
     /// The cycle.
     pub cycle: Stored<ShotRecord>,
-    /// The longest response: that of an elastic tool if present, because its motion does not decay.
-    pub longest: Stored<Vibration>,
+    /// The longest response: that of an elastic tool if present, because its motion does not decay. None without
+    /// bodies.
+    pub longest: Option<Stored<Vibration>>,
 }
 
 impl Stage for End {
@@ -142,7 +143,8 @@ impl Stage for End {
     fn compute(&self, _: &Progress) -> Result<f64, Error> {
         let record = self.cycle.get()?;
         let of_cycle = record.sample_interval * record.len() as f64;
-        Ok(self.longest.get()?.response.duration().max(of_cycle))
+        let longest = self.longest.as_ref().map(Stored::get).transpose()?;
+        Ok(longest.map_or(of_cycle, |own| own.response.duration().max(of_cycle)))
     }
 }
 

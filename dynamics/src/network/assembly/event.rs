@@ -9,6 +9,8 @@ use super::{BlockRef, Comparison};
 pub struct Event {
     /// Name.
     pub name: String,
+    /// Description; empty if the assembly gives none.
+    pub description: String,
     /// When it happens.
     pub edge: Edge,
     /// Index of an event that must have happened.

@@ -209,12 +209,14 @@ pub enum Fault {
     #[error("blows into the atmosphere without an opening")]
     Unheard,
     /// The loads on a body do not add up to the force on it.
-    #[error("the loads on \"{body}\" do not add up to the force on it: {}", differences.join(", "))]
+    #[error("the loads on \"{body}\" do not add up to the force on it without its weight: {}", differences.join("; "))]
     LoadSum {
         /// Body.
         body: String,
         /// What is missing or counted twice.
         differences: Vec<String>,
+        /// Terms that correct it; empty if no term does.
+        remedies: Vec<String>,
     },
     /// A spring is compressed beyond the range of its law.
     #[error(
@@ -296,7 +298,12 @@ impl Fault {
             Self::Collapse { .. } => "increase `dead` or move the stop".to_owned(),
             Self::Isolated => "connect it by a passage or a face, or remove it".to_owned(),
             Self::Unheard => "add an entry of [cycle.opening] for it, or set `silent = true`".to_owned(),
-            Self::LoadSum { .. } => "add the missing terms to a surface, and count each force once".to_owned(),
+            Self::LoadSum { remedies, body, .. } if remedies.is_empty() => {
+                format!("remove from [cycle.load.{body}] what exerts no force on \"{body}\"; count each force once")
+            }
+            Self::LoadSum { remedies, body, .. } => {
+                format!("add {} to a surface of [cycle.load.{body}]", remedies.join(", "))
+            }
             Self::SpringLimit { .. } => {
                 "reduce the preload, move the stop, or give a law for the whole travel".to_owned()
             }

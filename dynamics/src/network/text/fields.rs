@@ -7,7 +7,11 @@ use super::fault::{AssemblyError, Fault};
 use super::layers::dotted;
 use super::node::{Node, Spot, Tree};
 use super::resolver::{KeyScope, Resolver};
+use super::table::{FieldSpec, FieldType, TableSpec};
 use crate::network::assembly::{Base, BlockRef, Family, Push, Space};
+
+/// Directions of a push.
+pub(super) const PUSHES: [(&str, Push); 2] = [("down", Push::Down), ("up", Push::Up)];
 
 /// The fields of a block or of a table within it.
 pub(super) struct Fields<'r, 'a> {
@@ -15,17 +19,18 @@ pub(super) struct Fields<'r, 'a> {
     /// Full name.
     pub(super) path: String,
     pub(super) node: &'a Node,
+    table: &'static TableSpec,
 }
 
 impl<'r, 'a> Fields<'r, 'a> {
-    /// Creates access to the fields of a table, all of which must be known. `owner` names what the table describes.
+    /// Creates access to the fields of a table, all of which must be known.
     pub(super) fn new(
         resolver: &'r Resolver<'a>,
         path: String,
         node: &'a Node,
-        owner: &str,
-        known: &[&str],
+        table: &'static TableSpec,
     ) -> Result<Self, AssemblyError> {
+        let owner = table.name;
         if !node.is_table() {
             let fault = Fault::Kind {
                 found: node.found(),
@@ -33,13 +38,18 @@ impl<'r, 'a> Fields<'r, 'a> {
             };
             return Err(resolver.error(&path, &node.spot, fault));
         }
-        let fields = Self { resolver, path, node };
+        let fields = Self {
+            resolver,
+            path,
+            node,
+            table,
+        };
         for entry in node.entries() {
-            if entry.key != "if" && !known.contains(&entry.key.as_str()) {
+            if entry.key != "if" && table.others.is_none() && table.field(&entry.key).is_none() {
                 let fault = Fault::UnknownField {
                     owner: owner.to_owned(),
                     name: entry.key.clone(),
-                    known: known.iter().map(|known| (*known).to_owned()).collect(),
+                    known: table.names().map(str::to_owned).collect(),
                 };
                 return Err(resolver.error(&fields.full(&entry.key), &entry.spot, fault));
             }
@@ -73,8 +83,46 @@ impl<'r, 'a> Fields<'r, 'a> {
         self.resolver.error(&self.path, &self.node.spot, fault)
     }
 
+    /// The declaration of a field.
+    fn spec(&self, key: &str) -> Result<&'static FieldSpec, AssemblyError> {
+        self.table.field(key).ok_or_else(|| {
+            self.error(
+                key,
+                Fault::UnknownField {
+                    owner: self.table.name.to_owned(),
+                    name: key.to_owned(),
+                    known: self.table.names().map(str::to_owned).collect(),
+                },
+            )
+        })
+    }
+
+    /// Dimension and domain of a field.
+    fn kind(&self, key: &str) -> Result<Kind, AssemblyError> {
+        self.spec(key)?
+            .of
+            .quantity()
+            .ok_or_else(|| self.wrong(key, "no quantity"))
+    }
+
+    /// Description of a text, as in "expected the name of a body".
+    pub(super) fn expected(&self, key: &str) -> String {
+        let of = self.table.field(key).map(|field| &field.of).or(self.table.others);
+        of.and_then(FieldType::expected).unwrap_or_else(|| "a text".to_owned())
+    }
+
     /// The error of an absent field.
-    pub(super) fn missing(&self, key: &str, example: &str) -> AssemblyError {
+    pub(super) fn missing(&self, key: &str) -> AssemblyError {
+        let field = self.table.field(key);
+        let example = match field.map(|field| (field.example, &field.of)) {
+            Some(("", FieldType::Name(kind))) => format!("\"name of a {kind}\""),
+            Some((_, FieldType::Words(words))) => {
+                let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+                quoted.join(" or ")
+            }
+            Some((example, _)) => example.to_owned(),
+            None => String::new(),
+        };
         self.own_error(Fault::Missing {
             field: key.to_owned(),
             example: format!("{key} = {example}"),
@@ -93,19 +141,24 @@ impl<'r, 'a> Fields<'r, 'a> {
     }
 
     /// A number in SI.
-    pub(super) fn quantity(&self, key: &str, kind: Kind) -> Result<Option<f64>, AssemblyError> {
+    pub(super) fn quantity(&self, key: &str) -> Result<Option<f64>, AssemblyError> {
+        self.quantity_of(key, self.kind(key)?)
+    }
+
+    /// A number in SI of another kind than that of the field.
+    pub(super) fn quantity_of(&self, key: &str, kind: Kind) -> Result<Option<f64>, AssemblyError> {
         let read = |node| self.resolver.quantity(&self.full(key), node, kind);
         self.get(key).map(read).transpose()
     }
 
     /// A number that must be given.
-    pub(super) fn required(&self, key: &str, kind: Kind, example: &str) -> Result<f64, AssemblyError> {
-        self.quantity(key, kind)?.ok_or_else(|| self.missing(key, example))
+    pub(super) fn required(&self, key: &str) -> Result<f64, AssemblyError> {
+        self.quantity(key)?.ok_or_else(|| self.missing(key))
     }
 
     /// A number with a default in SI.
-    pub(super) fn or(&self, key: &str, kind: Kind, default: f64) -> Result<f64, AssemblyError> {
-        Ok(self.quantity(key, kind)?.unwrap_or(default))
+    pub(super) fn or(&self, key: &str, default: f64) -> Result<f64, AssemblyError> {
+        Ok(self.quantity(key)?.unwrap_or(default))
     }
 
     /// The value of a key that a field names without a formula.
@@ -137,17 +190,17 @@ impl<'r, 'a> Fields<'r, 'a> {
     }
 
     /// A text.
-    pub(super) fn text(&self, key: &str, expected: &str) -> Result<Option<&'a str>, AssemblyError> {
+    pub(super) fn text(&self, key: &str) -> Result<Option<&'a str>, AssemblyError> {
         let Some(node) = self.get(key) else { return Ok(None) };
-        node.text().map(Some).ok_or_else(|| self.wrong(key, expected))
+        node.text()
+            .map(Some)
+            .ok_or_else(|| self.wrong(key, &self.expected(key)))
     }
 
     /// One of some words.
     pub(super) fn word<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, AssemblyError> {
         let all = || words.iter().map(|(word, _)| (*word).to_owned()).collect::<Vec<_>>();
-        let Some(text) = self.text(key, &all().join(" or "))? else {
-            return Ok(None);
-        };
+        let Some(text) = self.text(key)? else { return Ok(None) };
         let found = words.iter().find(|(word, _)| *word == text);
         found.map(|(_, value)| Some(*value)).ok_or_else(|| {
             let found = text.to_owned();
@@ -157,14 +210,16 @@ impl<'r, 'a> Fields<'r, 'a> {
 
     /// "down" or "up".
     pub(super) fn push(&self, key: &str) -> Result<Push, AssemblyError> {
-        let push = self.word(key, &[("down", Push::Down), ("up", Push::Up)])?;
-        push.ok_or_else(|| self.missing(key, "\"down\""))
+        self.word(key, &PUSHES)?.ok_or_else(|| self.missing(key))
     }
 
     /// A table within.
-    pub(super) fn table(&self, key: &str, owner: &str, known: &[&str]) -> Result<Option<Self>, AssemblyError> {
-        let fields = |node| Fields::new(self.resolver, self.full(key), node, owner, known);
-        self.get(key).map(fields).transpose()
+    pub(super) fn table(&self, key: &str) -> Result<Option<Self>, AssemblyError> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let of = self.table.field(key).map(|field| &field.of).or(self.table.others);
+        let table = of.and_then(FieldType::table);
+        let table = table.ok_or_else(|| self.wrong(key, &self.expected(key)))?;
+        Fields::new(self.resolver, self.full(key), node, table).map(Some)
     }
 
     /// The block of one of some families that a text names.
@@ -200,26 +255,20 @@ impl<'r, 'a> Fields<'r, 'a> {
         families: &[Family],
         wanted: &str,
     ) -> Result<Option<BlockRef>, AssemblyError> {
-        let Some(name) = self.text(key, &format!("the name of a {wanted}"))? else {
-            return Ok(None);
-        };
+        let Some(name) = self.text(key)? else { return Ok(None) };
         self.block_of(key, name, families, wanted).map(Some)
     }
 
     /// The index of a block that must be named.
     pub(super) fn index(&self, key: &str, family: Family, wanted: &str) -> Result<usize, AssemblyError> {
         let block = self.block(key, &[family], wanted)?;
-        block
-            .map(|block| block.index)
-            .ok_or_else(|| self.missing(key, &format!("\"name of a {wanted}\"")))
+        block.map(|block| block.index).ok_or_else(|| self.missing(key))
     }
 
     /// A body or the ground.
     pub(super) fn base(&self, key: &str) -> Result<Option<Base>, AssemblyError> {
         const WANTED: &str = "body, and not ground";
-        let Some(name) = self.text(key, "the name of a body, or ground")? else {
-            return Ok(None);
-        };
+        let Some(name) = self.text(key)? else { return Ok(None) };
         if name == "ground" {
             return Ok(Some(Base::Ground));
         }
@@ -233,7 +282,7 @@ impl<'r, 'a> Fields<'r, 'a> {
             .base("against")?
             .unwrap_or_else(|| parents.get(on).copied().unwrap_or(Base::Ground));
         if against == Base::Body(on) {
-            let space = self.text("against", "a body")?.unwrap_or_default().to_owned();
+            let space = self.text("against")?.unwrap_or_default().to_owned();
             return Err(self.error("against", Fault::SelfLoop { space }));
         }
         Ok(against)
@@ -274,12 +323,14 @@ impl<'r, 'a> Fields<'r, 'a> {
     }
 
     /// Pairs of quantities, in ascending order of the first.
-    pub(super) fn points(
-        &self,
-        key: &str,
-        kinds: [Kind; 2],
-        example: &str,
-    ) -> Result<Option<Vec<[f64; 2]>>, AssemblyError> {
+    pub(super) fn points(&self, key: &str) -> Result<Option<Vec<[f64; 2]>>, AssemblyError> {
+        let spec = self.spec(key)?;
+        let example = spec.example;
+        let kinds = match &spec.of {
+            FieldType::List(FieldType::Pair([first, second])) => first.quantity().zip(second.quantity()),
+            _ => None,
+        };
+        let kinds: [Kind; 2] = kinds.ok_or_else(|| self.wrong(key, example))?.into();
         let Some(items) = self.array(key, example)? else {
             return Ok(None);
         };
@@ -316,7 +367,13 @@ impl<'r, 'a> Fields<'r, 'a> {
                 field: keys.join("` or `"),
                 example: example.to_owned(),
             })),
-            _ => Err(self.own_error(Fault::Exclusive { fields })),
+            _ => {
+                // The field that the file closest to the design gives.
+                let given = fields.iter().filter_map(|key| self.get(key));
+                let last = given.max_by_key(|node| self.resolver.text.sources.rank(&node.spot));
+                let spot = last.map_or(&self.node.spot, |node| &node.spot);
+                Err(self.resolver.error(&self.path, spot, Fault::Exclusive { fields }))
+            }
         }
     }
 }

@@ -38,7 +38,7 @@ const LARGEST: u64 = 4_000_000;
 const DEEPEST: usize = 16;
 
 /// Tables that only group the fields of a block.
-const LAYOUT: [&str; 5] = ["place", "item", "seated", "acts", "flow"];
+pub const LAYOUT: [&str; 5] = ["place", "item", "seated", "acts", "flow"];
 
 /// Tables of `[cycle]` that contain blocks by name.
 pub(super) const FAMILIES: [&str; 17] = [
@@ -154,6 +154,21 @@ impl AssemblyText {
         let fields = path.strip_prefix("cycle.")?.split('.');
         let node = fields.into_iter().try_fold(&self.cycle, |node, key| node.get(key))?;
         node.text()
+    }
+
+    /// Names of the outcomes that the assembly declares, in their order.
+    pub fn outcomes(&self) -> Vec<&str> {
+        match self.cycle.get("outcome").map(|outcomes| &outcomes.value) {
+            Some(Tree::Table(entries)) => entries.iter().map(|entry| entry.key.as_str()).collect(),
+            Some(Tree::Array(pairs)) => {
+                let pairs = pairs.iter().filter_map(|pair| match &pair.value {
+                    Tree::Array(pair) => pair.first(),
+                    _ => None,
+                });
+                pairs.filter_map(Node::text).collect()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Names of the surfaces of a body on which the assembly gives the force.
@@ -273,6 +288,7 @@ impl AssemblyText {
             None if self.name.is_empty() => self.add_named(DEFAULT, None, depth + 1)?,
             None => {}
         }
+        self.sources.merged.push(cycle.spot.document);
         self.cycle.merge(cycle);
         Ok(())
     }

@@ -18,9 +18,12 @@ mod names;
 mod node;
 mod resolve;
 mod resolver;
+mod table;
 
+pub use blocks::CYCLE;
 pub use fault::{AssemblyError, Fault};
 pub use keys::{KeyValue, Keys};
-pub use layers::{AssemblyText, BUILT_IN, DeclaredKey};
+pub use layers::{AssemblyText, BUILT_IN, DeclaredKey, LAYOUT};
 pub use literal::Literal;
 pub use resolve::Resolved;
+pub use table::{FieldSpec, FieldType, TableSpec};

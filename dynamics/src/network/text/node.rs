@@ -217,9 +217,18 @@ pub(super) fn entries(document: usize, table: &DeTable<'_>) -> Vec<Entry> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sources {
     pub(super) documents: Vec<Document>,
+    /// Indices of the documents in the order in which their tables `[cycle]` are merged, the closest to the design
+    /// last.
+    pub(super) merged: Vec<usize>,
 }
 
 impl Sources {
+    /// Rank of a spot: higher for documents that change those of lower rank.
+    pub(super) fn rank(&self, spot: &Spot) -> usize {
+        let place = self.merged.iter().position(|index| *index == spot.document);
+        place.map_or(0, |place| place + 1)
+    }
+
     /// The place of a spot.
     pub(super) fn place(&self, spot: &Spot) -> Box<Place> {
         self.documents[spot.document].place(spot.span.clone())

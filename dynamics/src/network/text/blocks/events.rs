@@ -4,6 +4,7 @@ use nailnoise_quantities::dimension::TIME;
 use nailnoise_quantities::{Dimension, nonnegative};
 
 use super::list::{each, entries};
+use super::tables::events::{EVENT, PICKS, SENSOR, STEP, TRIGGER};
 use crate::network::assembly::{
     Action, Comparison, Condition, Edge, Event, Expression, Family, Opens, Outcome, OutcomeTest, Passage, Pick, Sensor,
     Trigger, Word,
@@ -27,9 +28,9 @@ pub(super) fn dimensions(sensors: &[Measured]) -> Vec<Option<Dimension>> {
 }
 
 pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, AssemblyError> {
-    let fields = entries(resolver, "sensor", &["is", "unit"])?;
+    let fields = entries(resolver, "sensor", &SENSOR)?;
     let unit = |(_, fields): &(&str, Fields<'_, '_>)| {
-        let unit = fields.text("unit", "a unit")?.unwrap_or_default();
+        let unit = fields.text("unit")?.unwrap_or_default();
         Dimension::of_unit(unit).map_err(|error| {
             let (text, problem) = (unit.to_owned(), error.to_string());
             let units = "m, Pa, N, ...".to_owned();
@@ -40,8 +41,7 @@ pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, Assembly
     let known: Vec<Option<Dimension>> = units.iter().copied().map(Some).collect();
     let mut sensors = Vec::new();
     for ((name, fields), dimension) in fields.iter().zip(units) {
-        let scalar =
-            expression(fields, "is", &known, false)?.ok_or_else(|| fields.missing("is", "\"piston.travel\""))?;
+        let scalar = expression(fields, "is", &known, false)?.ok_or_else(|| fields.missing("is"))?;
         expect(fields, "is", &scalar, dimension)?;
         sensors.push(Measured {
             sensor: Sensor {
@@ -102,8 +102,7 @@ pub(super) fn expression(
     sensors: &[Option<Dimension>],
     off_is_zero: bool,
 ) -> Result<Option<Scalar>, AssemblyError> {
-    const EXPECTED: &str = "an expression, as \"piston.travel\"";
-    let Some(text) = fields.text(key, EXPECTED)? else {
+    let Some(text) = fields.text(key)? else {
         return Ok(None);
     };
     let scope = StateScope {
@@ -115,7 +114,7 @@ pub(super) fn expression(
     match fields.resolver.formula(&fields.full(key), node, text, &scope)? {
         Compiled::Scalar(scalar) => Ok(Some(scalar)),
         other => {
-            let (found, expected) = (kind_of(&other), EXPECTED.to_owned());
+            let (found, expected) = (kind_of(&other), fields.expected(key));
             Err(fields.error(key, Fault::Kind { found, expected }))
         }
     }
@@ -246,14 +245,13 @@ pub(super) fn triggers(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
             schedule: schedule(&fields)?,
         })
     };
-    each(resolver, Family::Trigger, &["starts", "set", "clear", "schedule"])?
+    each(resolver, Family::Trigger, &TRIGGER)?
         .into_iter()
         .map(read)
         .collect()
 }
 
 fn trigger_words(fields: &Fields<'_, '_>, key: &str, passages: &[Passage]) -> Result<Vec<Word>, AssemblyError> {
-    const EXPECTED: &str = "what a block logs, as \"guard opens\", or a list of these";
     let items = match fields.get(key) {
         None => return Ok(Vec::new()),
         Some(node) => match &node.value {
@@ -262,7 +260,7 @@ fn trigger_words(fields: &Fields<'_, '_>, key: &str, passages: &[Passage]) -> Re
         },
     };
     let read = |item: &Node| {
-        let text = item.text().ok_or_else(|| fields.wrong(key, EXPECTED))?;
+        let text = item.text().ok_or_else(|| fields.wrong(key, &fields.expected(key)))?;
         word(fields.resolver, passages, text).ok_or_else(|| {
             let word = text.to_owned();
             let known = all_words(fields.resolver, passages);
@@ -292,7 +290,7 @@ fn schedule(fields: &Fields<'_, '_>) -> Result<Vec<(f64, bool)>, AssemblyError> 
                 if !fields.resolver.is_on(&path, item)? {
                     continue;
                 }
-                let step = Fields::new(fields.resolver, path.clone(), item, "step of a schedule", &["at", "on"])?;
+                let step = Fields::new(fields.resolver, path.clone(), item, &STEP)?;
                 (step.get("at"), step.get("on"))
             }
             _ => (None, None),
@@ -321,7 +319,7 @@ pub(super) fn event_index(
     key: &str,
     resolver: &Resolver<'_>,
 ) -> Result<Option<usize>, AssemblyError> {
-    let Some(name) = fields.text(key, "the name of an event")? else {
+    let Some(name) = fields.text(key)? else {
         return Ok(None);
     };
     event(resolver, name)
@@ -346,12 +344,9 @@ pub(super) fn events(
     sensors: &[Measured],
     passages: &[Passage],
 ) -> Result<Vec<Event>, AssemblyError> {
-    const FIELDS: [&str; 10] = [
-        "at", "becomes", "is", "after", "delay", "before", "until", "where", "for", "pick",
-    ];
     let dimensions = dimensions(sensors);
     let mut events = Vec::new();
-    let blocks = entries(resolver, "event", &FIELDS)?;
+    let blocks = entries(resolver, "event", &EVENT)?;
     for (name, fields) in &blocks {
         fields.one_of(&["at", "becomes", "is"], "becomes = \"piston.travel > 1 mm\"")?;
         let condition = |key: &str| {
@@ -369,20 +364,19 @@ pub(super) fn events(
         } else if let Some(is) = condition("is")? {
             Edge::Is(is)
         } else {
-            Edge::At(fields.required("at", nonnegative(TIME), "\"0 s\"")?)
+            Edge::At(fields.required("at")?)
         };
         events.push(Event {
             name: (*name).to_owned(),
+            description: fields.text("text")?.unwrap_or_default().to_owned(),
             edge,
             after: event_index(fields, "after", resolver)?,
-            delay: fields.or("delay", nonnegative(TIME), 0.0)?,
+            delay: fields.or("delay", 0.0)?,
             before: event_index(fields, "before", resolver)?,
             until: event_index(fields, "until", resolver)?,
             condition: condition("where")?,
-            lasting: fields.or("for", nonnegative(TIME), 0.0)?,
-            pick: fields
-                .word("pick", &[("first", Pick::First), ("last", Pick::Last)])?
-                .unwrap_or(Pick::First),
+            lasting: fields.or("for", 0.0)?,
+            pick: fields.word("pick", &PICKS)?.unwrap_or(Pick::First),
         });
     }
     for (start, (name, fields)) in blocks.iter().enumerate() {

@@ -1,12 +1,10 @@
 //! Reservoirs, volumes, faces and passages.
 
-use nailnoise_quantities::dimension::{ANGLE, AREA, HEAT_TRANSFER, LENGTH, NUMBER, TEMPERATURE, TIME, VOLUME};
-use nailnoise_quantities::{any, gas_pressure, nonnegative, positive};
-
 use super::list::{each, is_atmosphere, parent};
+use super::tables::gas::{CONES, FACE, FLOW_LAWS, LAW_WORDS, PASSAGE, RESERVOIR, RESTRICTION, VOLUME};
 use crate::network::assembly::{
-    Base, Coefficient, Cone, Face, Family, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Space,
-    Volume, Wall,
+    Base, Coefficient, Face, Family, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Space, Volume,
+    Wall,
 };
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
@@ -16,11 +14,11 @@ pub(super) fn reservoirs(resolver: &Resolver<'_>) -> Result<Vec<Reservoir>, Asse
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         Ok(Reservoir {
             name: name.to_owned(),
-            pressure: fields.required("pressure", gas_pressure(), "\"101.325 kPa\"")?,
-            temperature: fields.required("temperature", positive(TEMPERATURE), "\"20 degC\"")?,
+            pressure: fields.required("pressure")?,
+            temperature: fields.required("temperature")?,
         })
     };
-    each(resolver, Family::Reservoir, &["pressure", "temperature"])?
+    each(resolver, Family::Reservoir, &RESERVOIR)?
         .into_iter()
         .map(read)
         .collect()
@@ -28,70 +26,52 @@ pub(super) fn reservoirs(resolver: &Resolver<'_>) -> Result<Vec<Reservoir>, Asse
 
 /// Volumes; without a given temperature, they have that of the atmosphere \[K\].
 pub(super) fn volumes(resolver: &Resolver<'_>, atmosphere: f64) -> Result<Vec<Volume>, AssemblyError> {
-    const FIELDS: [&str; 6] = ["dead", "pressure", "temperature", "wall", "isothermal", "exhaust_path"];
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
-        let wall = fields.table("wall", "wall", &["area", "transfer", "temperature"])?;
+        let wall = fields.table("wall")?;
         let wall = wall
             .map(|wall| {
                 Ok(Wall {
-                    area: wall.or("area", nonnegative(AREA), 0.0)?,
-                    transfer: wall.required("transfer", nonnegative(HEAT_TRANSFER), "\"200 W/(m2 K)\"")?,
-                    temperature: wall.or("temperature", positive(TEMPERATURE), atmosphere)?,
+                    area: wall.or("area", 0.0)?,
+                    transfer: wall.required("transfer")?,
+                    temperature: wall.or("temperature", atmosphere)?,
                 })
             })
             .transpose()?;
         Ok(Volume {
             name: name.to_owned(),
-            dead: fields.required("dead", nonnegative(VOLUME), "\"100 cm3\"")?,
-            pressure: fields.required("pressure", gas_pressure(), "\"=ambient.pressure\"")?,
-            temperature: fields.or("temperature", positive(TEMPERATURE), atmosphere)?,
+            dead: fields.required("dead")?,
+            pressure: fields.required("pressure")?,
+            temperature: fields.or("temperature", atmosphere)?,
             wall,
             isothermal: fields.flag("isothermal", false)?,
             exhaust_path: fields.flag("exhaust_path", false)?,
         })
     };
-    each(resolver, Family::Volume, &FIELDS)?.into_iter().map(read).collect()
+    each(resolver, Family::Volume, &VOLUME)?.into_iter().map(read).collect()
 }
 
 pub(super) fn faces(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<Face>, AssemblyError> {
-    const FIELDS: [&str; 7] = ["volume", "body", "push", "area", "zero", "against", "perimeter"];
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let body = fields.index("body", Family::Body, "body")?;
-        let gas = fields
-            .text("volume", "the name of a volume or reservoir")?
-            .ok_or_else(|| fields.missing("volume", "\"name of a volume or reservoir\""))?;
+        let gas = fields.text("volume")?.ok_or_else(|| fields.missing("volume"))?;
         Ok(Face {
             name: name.to_owned(),
             gas: fields.space("volume", gas)?,
             body,
             against: fields.against(body, parents)?,
             push: fields.push("push")?,
-            area: fields.required("area", nonnegative(AREA), "\"=disc(piston.bore)\"")?,
-            zero: fields.or("zero", any(LENGTH), 0.0)?,
-            perimeter: fields.or("perimeter", nonnegative(LENGTH), 0.0)?,
+            area: fields.required("area")?,
+            zero: fields.or("zero", 0.0)?,
+            perimeter: fields.or("perimeter", 0.0)?,
         })
     };
-    each(resolver, Family::Face, &FIELDS)?.into_iter().map(read).collect()
+    each(resolver, Family::Face, &FACE)?.into_iter().map(read).collect()
 }
 
 /// Fields that give the area of a restriction.
 const AREAS: [&str; 5] = ["area", "seat", "holes", "ramp", "pipe"];
 
 pub(super) fn passages(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<Passage>, AssemblyError> {
-    const FIELDS: [&str; 12] = [
-        "between",
-        "area",
-        "seat",
-        "holes",
-        "ramp",
-        "pipe",
-        "series",
-        "coefficient",
-        "one_way",
-        "open",
-        "silent",
-        "law",
-    ];
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let [from, to] = between(&fields)?;
         fields.one_of(
@@ -103,7 +83,7 @@ pub(super) fn passages(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<
             Some(_) => series(&fields, &coefficient, parents)?,
             None => vec![restriction(&fields, String::new(), coefficient, parents)?],
         };
-        let gate = fields.table("open", "gate", &["when", "delay", "before"])?;
+        let gate = fields.table("open")?;
         Ok(Passage {
             name: name.to_owned(),
             from,
@@ -115,7 +95,7 @@ pub(super) fn passages(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<
             silent: fields.flag("silent", false)?,
         })
     };
-    each(resolver, Family::Passage, &FIELDS)?
+    each(resolver, Family::Passage, &PASSAGE)?
         .into_iter()
         .map(read)
         .collect()
@@ -125,7 +105,7 @@ fn between(fields: &Fields<'_, '_>) -> Result<[Space; 2], AssemblyError> {
     const EXAMPLE: &str = "two spaces, as [\"supply\", \"atmosphere\"]";
     let items = fields
         .array("between", EXAMPLE)?
-        .ok_or_else(|| fields.missing("between", "[\"supply\", \"atmosphere\"]"))?;
+        .ok_or_else(|| fields.missing("between"))?;
     let names: Option<Vec<&str>> = items.iter().map(|item| item.text()).collect();
     let Some([from, to]) = names.as_deref() else {
         return Err(fields.wrong("between", EXAMPLE));
@@ -146,15 +126,14 @@ fn series(
     coefficient: &Coefficient,
     parents: &[Base],
 ) -> Result<Vec<Restriction>, AssemblyError> {
-    const KNOWN: [&str; 7] = ["name", "area", "seat", "holes", "ramp", "pipe", "coefficient"];
     const EXPECTED: &str = "one to three restrictions with different names";
     let mut restrictions: Vec<Restriction> = Vec::new();
     for item in fields.array("series", "a list of restrictions")?.unwrap_or_default() {
         let name = item.get("name").and_then(|name| name.text()).unwrap_or_default();
         let path = format!("{}.{name}", fields.full("series"));
-        let inner = Fields::new(fields.resolver, path.clone(), item, "restriction", &KNOWN)?;
+        let inner = Fields::new(fields.resolver, path.clone(), item, &RESTRICTION)?;
         if name.is_empty() {
-            return Err(inner.missing("name", "\"holes\""));
+            return Err(inner.missing("name"));
         }
         if !fields.resolver.is_on(&path, item)? {
             continue;
@@ -178,19 +157,18 @@ fn coefficient(fields: &Fields<'_, '_>) -> Result<Option<Coefficient>, AssemblyE
         .get("coefficient")
         .is_some_and(|node| node.is_table() && !node.is_literal_table());
     if !is_polynomial {
-        let constant = fields.quantity("coefficient", nonnegative(NUMBER).within(0.0, 10.0))?;
+        let constant = fields.quantity("coefficient")?;
         return Ok(constant.map(Coefficient::Constant));
     }
-    let Some(table) = fields.table("coefficient", "coefficient", &["ratio_polynomial", "from", "to"])? else {
+    let Some(table) = fields.table("coefficient")? else {
         return Ok(None);
     };
-    let limit = |key: &str, example: &str| table.required(key, nonnegative(NUMBER).within(0.0, 10.0), example);
     Ok(Some(Coefficient::RatioPolynomial {
         coefficients: table
             .numbers("ratio_polynomial", "coefficients of r^0, r^1, ..., as [1.1, -0.71]")?
-            .ok_or_else(|| table.missing("ratio_polynomial", "[1.1, -0.71]"))?,
-        from: limit("from", "0.4")?,
-        to: limit("to", "0.9")?,
+            .ok_or_else(|| table.missing("ratio_polynomial"))?,
+        from: table.required("from")?,
+        to: table.required("to")?,
     }))
 }
 
@@ -200,13 +178,13 @@ fn restriction(
     coefficient: Coefficient,
     parents: &[Base],
 ) -> Result<Restriction, AssemblyError> {
-    let pipe = fields.table("pipe", "pipe", &["length", "diameter", "friction"])?;
+    let pipe = fields.table("pipe")?;
     let pipe = pipe
         .map(|pipe| {
             Ok(Pipe {
-                length: pipe.required("length", nonnegative(LENGTH), "\"100 mm\"")?,
-                diameter: pipe.required("diameter", positive(LENGTH), "\"6 mm\"")?,
-                friction: pipe.or("friction", nonnegative(NUMBER).within(0.0, 1.0), 0.02)?,
+                length: pipe.required("length")?,
+                diameter: pipe.required("diameter")?,
+                friction: pipe.or("friction", 0.02)?,
             })
         })
         .transpose()?;
@@ -226,41 +204,37 @@ fn restriction(
 
 /// The area of a restriction as a function of the state.
 fn opens(fields: &Fields<'_, '_>, parents: &[Base]) -> Result<Opens, AssemblyError> {
-    const SEAT: [&str; 7] = ["body", "against", "opens", "at", "diameter", "angle", "cone"];
-    const HOLES: [&str; 6] = ["body", "against", "opens", "at", "area", "diameter"];
-    if let Some(seat) = fields.table("seat", "seat", &SEAT)? {
+    if let Some(seat) = fields.table("seat")? {
         let body = seat.index("body", Family::Body, "body")?;
         return Ok(Opens::Seat {
             body,
             against: seat.base("against")?.unwrap_or_else(|| parent(parents, body)),
             push: seat.push("opens")?,
-            at: seat.or("at", any(LENGTH), 0.0)?,
-            diameter: seat.required("diameter", positive(LENGTH), "\"20 mm\"")?,
-            angle: seat.required("angle", positive(ANGLE), "\"45 deg\"")?,
-            cone: seat
-                .word("cone", &[("narrows", Cone::Narrows), ("widens", Cone::Widens)])?
-                .ok_or_else(|| seat.missing("cone", "\"widens\""))?,
+            at: seat.or("at", 0.0)?,
+            diameter: seat.required("diameter")?,
+            angle: seat.required("angle")?,
+            cone: seat.word("cone", &CONES)?.ok_or_else(|| seat.missing("cone"))?,
         });
     }
-    if let Some(holes) = fields.table("holes", "row of holes", &HOLES)? {
+    if let Some(holes) = fields.table("holes")? {
         let body = holes.index("body", Family::Body, "body")?;
         return Ok(Opens::Holes {
             body,
             against: holes.base("against")?.unwrap_or_else(|| parent(parents, body)),
             push: holes.push("opens")?,
-            at: holes.or("at", any(LENGTH), 0.0)?,
-            area: holes.required("area", nonnegative(AREA), "\"50 mm2\"")?,
-            diameter: holes.quantity("diameter", positive(LENGTH))?,
+            at: holes.or("at", 0.0)?,
+            area: holes.required("area")?,
+            diameter: holes.quantity("diameter")?,
         });
     }
-    if let Some(ramp) = fields.table("ramp", "ramp", &["area", "time"])? {
+    if let Some(ramp) = fields.table("ramp")? {
         return Ok(Opens::Ramp {
-            area: ramp.required("area", nonnegative(AREA), "\"20 mm2\"")?,
-            time: ramp.required("time", nonnegative(TIME), "\"1 ms\"")?,
+            area: ramp.required("area")?,
+            time: ramp.required("time")?,
         });
     }
     Ok(Opens::Constant {
-        area: fields.required("area", nonnegative(AREA), "\"20 mm2\"")?,
+        area: fields.required("area")?,
     })
 }
 
@@ -269,32 +243,29 @@ fn law(fields: &Fields<'_, '_>) -> Result<PassageLaw, AssemblyError> {
         return Ok(PassageLaw::Nozzle);
     };
     if node.is_table() {
-        let Some(law) = fields.table("law", "law of a passage", &["kind", "critical_ratio"])? else {
+        let Some(law) = fields.table("law")? else {
             return Ok(PassageLaw::Nozzle);
         };
-        law.word("kind", &[("iso6358", ())])?
-            .ok_or_else(|| law.missing("kind", "\"iso6358\""))?;
+        law.word("kind", &FLOW_LAWS)?.ok_or_else(|| law.missing("kind"))?;
         return Ok(PassageLaw::Iso6358 {
-            critical_ratio: law.required("critical_ratio", nonnegative(NUMBER).within(0.0, 0.999), "0.3")?,
+            critical_ratio: law.required("critical_ratio")?,
         });
     }
-    match fields.word("law", &[("nozzle", true), ("iso6358", false)])? {
+    match fields.word("law", &LAW_WORDS)? {
         Some(false) => Err(fields.wrong("law", "{ kind = \"iso6358\", critical_ratio = 0.3 }")),
         Some(true) | None => Ok(PassageLaw::Nozzle),
     }
 }
 
 fn read_gate(gate: &Fields<'_, '_>) -> Result<Gate, AssemblyError> {
-    let when = gate
-        .text("when", "the name of a trigger")?
-        .ok_or_else(|| gate.missing("when", "\"released\", or \"not released\""))?;
+    let when = gate.text("when")?.ok_or_else(|| gate.missing("when"))?;
     let (inverted, name) = when
         .strip_prefix("not ")
         .map_or((false, when), |name| (true, name.trim()));
     Ok(Gate {
         trigger: gate.block_of("when", name, &[Family::Trigger], "trigger")?.index,
         inverted,
-        delay: gate.or("delay", nonnegative(TIME), 0.0)?,
+        delay: gate.or("delay", 0.0)?,
         before: gate.flag("before", false)?,
         also: None,
     })

@@ -6,12 +6,13 @@ use crate::network::text::fields::Fields;
 use crate::network::text::names::family_name;
 use crate::network::text::node::Node;
 use crate::network::text::resolver::Resolver;
+use crate::network::text::table::TableSpec;
 
 /// The blocks of a family that are switched on.
 pub(super) fn each<'r, 'a>(
     resolver: &'r Resolver<'a>,
     family: Family,
-    known: &[&str],
+    spec: &'static TableSpec,
 ) -> Result<Vec<(&'a str, Fields<'r, 'a>)>, AssemblyError> {
     let table = family_name(family);
     let of = resolver
@@ -21,7 +22,7 @@ pub(super) fn each<'r, 'a>(
         .filter(|block| block.block.family == family);
     of.map(|block| {
         let path = format!("cycle.{table}.{}", block.name);
-        Ok((block.name, Fields::new(resolver, path, block.node, table, known)?))
+        Ok((block.name, Fields::new(resolver, path, block.node, spec)?))
     })
     .collect()
 }
@@ -30,16 +31,13 @@ pub(super) fn each<'r, 'a>(
 pub(super) fn entries<'r, 'a>(
     resolver: &'r Resolver<'a>,
     table: &str,
-    known: &[&str],
+    spec: &'static TableSpec,
 ) -> Result<Vec<(&'a str, Fields<'r, 'a>)>, AssemblyError> {
     let mut found = Vec::new();
     for entry in resolver.text.cycle.get(table).map_or(&[][..], Node::entries) {
         let path = format!("cycle.{table}.{}", entry.key);
         if resolver.is_on(&path, &entry.node)? {
-            found.push((
-                entry.key.as_str(),
-                Fields::new(resolver, path, &entry.node, table, known)?,
-            ));
+            found.push((entry.key.as_str(), Fields::new(resolver, path, &entry.node, spec)?));
         }
     }
     Ok(found)

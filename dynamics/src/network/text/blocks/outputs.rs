@@ -1,18 +1,18 @@
 //! Openings, loads on surfaces and pressures on walls.
 
-use nailnoise_quantities::dimension::{AREA, FORCE, LENGTH, NUMBER};
-use nailnoise_quantities::positive;
+use nailnoise_quantities::dimension::{FORCE, LENGTH};
 
 use super::events::{Measured, dimensions, expect, expression};
 use super::list::entries;
-use crate::network::assembly::{Family, Load, Opening, Passage, PressurePatch, PressureSurface};
+use super::tables::outputs::{LOAD, OPENING, PRESSURE};
+use crate::network::assembly::{Family, Load, Opening, Opens, Passage, PressurePatch, PressureSurface};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::node::Node;
 use crate::network::text::resolver::Resolver;
+use crate::network::text::table::TableSpec;
 
 pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Opening>, AssemblyError> {
-    const FIELDS: [&str; 7] = ["passage", "restriction", "count", "diameter", "area", "pitch", "outlet"];
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let passage = fields.index("passage", Family::Passage, "passage")?;
         let names: Vec<String> = passages
@@ -21,18 +21,28 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
             .iter()
             .map(|restriction| restriction.name.clone())
             .collect();
-        let restriction = match fields.text("restriction", "the name of a restriction")? {
+        let restriction = match fields.text("restriction")? {
             None => names.len().saturating_sub(1),
             Some(found) => names.iter().position(|name| name == found).ok_or_else(|| {
                 let (found, words) = (found.to_owned(), names.clone());
                 fields.error("restriction", Fault::Word { found, words })
             })?,
         };
-        fields.one_of(&["area", "diameter"], "area = \"20 mm2\"")?;
-        let count = fields.or("count", positive(NUMBER).within(1.0, 1e4), 1.0)?;
-        let area = match fields.quantity("diameter", positive(LENGTH))? {
-            Some(diameter) => count * (0.25 * std::f64::consts::PI * diameter * diameter),
-            None => fields.required("area", positive(AREA), "\"20 mm2\"")?,
+        let count = fields.or("count", 1.0)?;
+        let constant = passages
+            .get(passage)
+            .and_then(|passage| match passage.restrictions.get(restriction)?.opens {
+                Opens::Constant { area } => Some(area),
+                _ => None,
+            });
+        let area = match (fields.quantity("diameter")?, fields.quantity("area")?) {
+            (None, None) => constant.ok_or_else(|| fields.missing("area"))?,
+            (Some(diameter), None) => count * (0.25 * std::f64::consts::PI * diameter * diameter),
+            (None, Some(area)) => area,
+            (Some(_), Some(_)) => {
+                let fields_found = ["area", "diameter"].map(str::to_owned).to_vec();
+                return Err(fields.own_error(Fault::Exclusive { fields: fields_found }));
+            }
         };
         Ok(Opening {
             name: name.to_owned(),
@@ -40,16 +50,15 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
             restriction,
             count,
             area,
-            pitch: fields.quantity("pitch", positive(LENGTH))?,
+            pitch: fields.quantity("pitch")?,
             outlet: outlet(&fields)?,
         })
     };
-    entries(resolver, "opening", &FIELDS)?.into_iter().map(read).collect()
+    entries(resolver, "opening", &OPENING)?.into_iter().map(read).collect()
 }
 
 fn outlet(fields: &Fields<'_, '_>) -> Result<Option<String>, AssemblyError> {
-    const EXPECTED: &str = "a group of keys, as \"=exhaust\"";
-    let Some(text) = fields.text("outlet", EXPECTED)? else {
+    let Some(text) = fields.text("outlet")? else {
         return Ok(None);
     };
     let group = text
@@ -58,21 +67,19 @@ fn outlet(fields: &Fields<'_, '_>) -> Result<Option<String>, AssemblyError> {
         .filter(|group| fields.resolver.has_group(group));
     group
         .map(|group| Some(group.to_owned()))
-        .ok_or_else(|| fields.wrong("outlet", EXPECTED))
+        .ok_or_else(|| fields.wrong("outlet", &fields.expected("outlet")))
 }
 
 /// The tables by body of `[cycle.load]` or `[cycle.pressure]`, with the indices of the bodies.
-fn surfaces<'r, 'a>(resolver: &'r Resolver<'a>, table: &str) -> Result<Vec<(usize, Fields<'r, 'a>)>, AssemblyError> {
+fn surfaces<'r, 'a>(
+    resolver: &'r Resolver<'a>,
+    table: &str,
+    spec: &'static TableSpec,
+) -> Result<Vec<(usize, Fields<'r, 'a>)>, AssemblyError> {
     let mut found = Vec::new();
     for entry in resolver.text.cycle.get(table).map_or(&[][..], Node::entries) {
         let path = format!("cycle.{table}.{}", entry.key);
-        let surfaces: Vec<&str> = entry
-            .node
-            .entries()
-            .iter()
-            .map(|surface| surface.key.as_str())
-            .collect();
-        let fields = Fields::new(resolver, path.clone(), &entry.node, table, &surfaces)?;
+        let fields = Fields::new(resolver, path.clone(), &entry.node, spec)?;
         if !resolver.is_on(&path, &entry.node)? {
             continue;
         }
@@ -94,10 +101,10 @@ fn surfaces<'r, 'a>(resolver: &'r Resolver<'a>, table: &str) -> Result<Vec<(usiz
 pub(super) fn loads(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<Load>, AssemblyError> {
     let dimensions = dimensions(sensors);
     let mut loads = Vec::new();
-    for (body, fields) in surfaces(resolver, "load")? {
+    for (body, fields) in surfaces(resolver, "load", &LOAD)? {
         for surface in fields.node.entries().iter().filter(|surface| surface.key != "if") {
-            let force = expression(&fields, &surface.key, &dimensions, true)?
-                .ok_or_else(|| fields.missing(&surface.key, "\"nose.force\""))?;
+            let force =
+                expression(&fields, &surface.key, &dimensions, true)?.ok_or_else(|| fields.missing(&surface.key))?;
             expect(&fields, &surface.key, &force, FORCE)?;
             loads.push(Load {
                 body,
@@ -112,7 +119,7 @@ pub(super) fn loads(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec
 pub(super) fn pressures(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<PressureSurface>, AssemblyError> {
     let dimensions = dimensions(sensors);
     let mut pressures = Vec::new();
-    for (body, fields) in surfaces(resolver, "pressure")? {
+    for (body, fields) in surfaces(resolver, "pressure", &PRESSURE)? {
         for surface in fields.node.entries().iter().filter(|surface| surface.key != "if") {
             let key = surface.key.as_str();
             let patch = match surface.node.text() {
@@ -123,16 +130,13 @@ pub(super) fn pressures(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result
                     None => PressurePatch::Uniform(fields.space(key, text)?),
                 },
                 None => {
-                    let divided = fields
-                        .table(key, "divided wall", &["above", "below", "at"])?
-                        .ok_or_else(|| fields.missing(key, "\"supply\""))?;
+                    let divided = fields.table(key)?.ok_or_else(|| fields.missing(key))?;
                     let space = |side: &str| {
-                        let name = divided.text(side, "the name of a volume or reservoir")?;
-                        let name = name.ok_or_else(|| divided.missing(side, "\"above_piston\""))?;
+                        let name = divided.text(side)?;
+                        let name = name.ok_or_else(|| divided.missing(side))?;
                         divided.space(side, name)
                     };
-                    let at = expression(&divided, "at", &dimensions, false)?
-                        .ok_or_else(|| divided.missing("at", "\"piston.travel\""))?;
+                    let at = expression(&divided, "at", &dimensions, false)?.ok_or_else(|| divided.missing("at"))?;
                     expect(&divided, "at", &at, LENGTH)?;
                     PressurePatch::Divided {
                         above: space("above")?,

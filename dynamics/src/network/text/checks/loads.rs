@@ -2,12 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use nailnoise_quantities::rounded;
+
 use crate::network::assembly::{
     Assembly, Base, Binary, BlockRef, Channel, Expression, Family, Function, Quantity, Space,
 };
 use crate::network::text::blocks::is_atmosphere;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::names::{CHANNELS, quantities};
+use crate::network::text::node::{Node, Spot};
 use crate::network::text::resolver::Resolver;
 
 /// Relative difference attributed to rounding.
@@ -34,13 +37,23 @@ pub(super) fn add_up(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(),
             assembly,
             body,
         };
-        let differences = sum.differences();
-        if !differences.is_empty() {
+        let wrong = sum.differences();
+        if !wrong.is_empty() {
             let path = format!("cycle.load.{name}");
             let table = resolver.text.cycle.get("load").and_then(|load| load.get(name));
-            let spot = table.map_or(&resolver.text.cycle.spot, |table| &table.spot);
-            let body = name.clone();
-            return Err(resolver.error(&path, spot, Fault::LoadSum { body, differences }));
+            // The load or the block without a load that the file closest to the design gives.
+            let loads = table.into_iter().flat_map(Node::entries).map(|load| &load.node.spot);
+            let blocks = wrong.iter().filter_map(|own| resolver.names.find(&own.block));
+            let own = table.map_or(&resolver.text.cycle.spot, |table| &table.spot);
+            let candidates = blocks.map(|block| block.spot).chain(loads);
+            let rank = |spot: &Spot| resolver.text.sources.rank(spot);
+            let spot = candidates.fold(own, |spot, other| if rank(other) > rank(spot) { other } else { spot });
+            let fault = Fault::LoadSum {
+                body: name.clone(),
+                differences: wrong.iter().map(|own| own.text.clone()).collect(),
+                remedies: wrong.into_iter().filter_map(|own| own.remedy).collect(),
+            };
+            return Err(resolver.error(&path, spot, fault));
         }
     }
     Ok(())
@@ -51,6 +64,60 @@ struct Sum<'r, 'a> {
     resolver: &'r Resolver<'a>,
     assembly: &'r Assembly,
     body: usize,
+}
+
+/// A force that the loads do not contain once.
+struct Difference {
+    /// The difference in words.
+    text: String,
+    /// The term that corrects it, if there is one.
+    remedy: Option<String>,
+    /// Name of its block.
+    block: String,
+}
+
+/// A channel that may act on a body.
+struct Acting {
+    channel: Channel,
+    /// Its name in expressions.
+    name: String,
+}
+
+impl Acting {
+    fn is_pressure(&self) -> bool {
+        self.channel.quantity == Quantity::Gauge
+    }
+
+    /// The difference, given what a unit of the channel adds to the loads and to the force on the body \[- or m2\].
+    fn difference(&self, found: f64, expected: f64) -> Difference {
+        let name = &self.name;
+        let remedy = Some(self.term(expected - found));
+        let (unit, factor) = if self.is_pressure() {
+            ("100 kPa", 1e5)
+        } else {
+            ("1 N", 1.0)
+        };
+        let [found, expected] = [found, expected].map(|share| format!("{} N", rounded(factor * share, 6, 1e6)));
+        Difference {
+            text: format!("{unit} of `{name}` adds {found} to the loads, but {expected} to the force on the body"),
+            remedy,
+            block: name.split('.').next().unwrap_or_default().to_owned(),
+        }
+    }
+
+    /// The term that corrects the loads by a share of the channel \[- or m2\].
+    fn term(&self, share: f64) -> String {
+        let sign = if share < 0.0 { "-" } else { "+" };
+        let name = &self.name;
+        if self.is_pressure() {
+            let area = rounded(1e6 * share.abs(), 6, 1e9);
+            return format!("`{sign} A*{name}` with A = {area} mm2");
+        }
+        if (share.abs() - 1.0).abs() < ROUNDING {
+            return format!("`{sign} {name}`");
+        }
+        format!("`{sign} {}*{name}`", rounded(share.abs(), 6, 1e6))
+    }
 }
 
 /// Identifies a channel in a state.
@@ -75,19 +142,18 @@ fn channel(family: Family, index: usize, quantity: Quantity) -> Channel {
 }
 
 impl Sum<'_, '_> {
-    /// Describes which loads are missing or counted twice; empty if they add up.
-    fn differences(&self) -> Vec<String> {
+    /// The forces that are missing or counted twice; empty if the loads add up.
+    fn differences(&self) -> Vec<Difference> {
         let mut differences = Vec::new();
         let zero = State::new();
         let (loads, force) = (self.loads(&zero), self.force(&zero));
-        for (channel, unit, name) in self.channels() {
-            let mut state = State::new();
-            state.insert(key(channel), 1.0);
+        for acting in self.acting() {
+            let state = State::from([(key(acting.channel), 1.0)]);
             let (found, expected) = (self.loads(&state) - loads, self.force(&state) - force);
             // Static forces that the subtraction rounds.
             let rounding = ROUNDING * (expected.abs() + 1e-3 * (loads.abs() + force.abs()));
             if (found - expected).abs() > rounding {
-                differences.push(format!("{found:.6e}{unit} of {name} in place of {expected:.6e}"));
+                differences.push(acting.difference(found, expected));
             }
         }
         let mut seed = 0;
@@ -97,26 +163,29 @@ impl Sum<'_, '_> {
             (loads - force).abs() <= ROUNDING * (self.size(&state) + 1.0)
         };
         if differences.is_empty() && !(0..STATES).all(|_| agree(&mut seed)) {
-            differences.push("they depend on quantities that exert no force on it".to_owned());
+            differences.push(Difference {
+                text: "they depend on quantities that exert no force on it".to_owned(),
+                remedy: None,
+                block: String::new(),
+            });
         }
         differences
     }
 
-    /// Channels that act on a body, with the unit of their coefficient and their block.
-    fn channels(&self) -> Vec<(Channel, &'static str, String)> {
+    /// Channels that may act on a body.
+    fn acting(&self) -> Vec<Acting> {
         let a = self.assembly;
-        let mut channels = Vec::new();
-        for (index, volume) in a.volumes.iter().enumerate() {
-            channels.push((
-                channel(Family::Volume, index, Quantity::Gauge),
-                " m2",
-                volume.name.clone(),
-            ));
-        }
+        let of = |family: Family, index: usize, quantity: Quantity, name: String| Acting {
+            channel: channel(family, index, quantity),
+            name,
+        };
+        let volumes = a.volumes.iter().enumerate();
+        let mut acting: Vec<Acting> = volumes
+            .map(|(index, own)| of(Family::Volume, index, Quantity::Gauge, format!("{}.gauge", own.name)))
+            .collect();
         let mut forces = |family: Family, names: Vec<&String>| {
-            for (index, name) in names.into_iter().enumerate() {
-                channels.push((channel(family, index, Quantity::Force), "", name.clone()));
-            }
+            let names = names.into_iter().enumerate();
+            acting.extend(names.map(|(index, name)| of(family, index, Quantity::Force, format!("{name}.force"))));
         };
         forces(Family::Contact, a.contacts.iter().map(|block| &block.name).collect());
         forces(Family::Spring, a.springs.iter().map(|block| &block.name).collect());
@@ -125,11 +194,12 @@ impl Sum<'_, '_> {
         forces(Family::Motor, a.motors.iter().map(|block| &block.name).collect());
         forces(Family::Hold, a.holds.iter().map(|block| &block.name).collect());
         forces(Family::Fastener, a.fasteners.iter().map(|block| &block.name).collect());
-        for (index, fastener) in a.fasteners.iter().enumerate() {
-            let guide = channel(Family::Fastener, index, Quantity::GuideForce);
-            channels.push((guide, "", format!("{}.guide_force", fastener.name)));
-        }
-        channels
+        let guides = a.fasteners.iter().enumerate();
+        acting.extend(guides.map(|(index, own)| {
+            let name = format!("{}.guide_force", own.name);
+            of(Family::Fastener, index, Quantity::GuideForce, name)
+        }));
+        acting
     }
 
     /// A state of random values of all channels.

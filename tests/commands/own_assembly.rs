@@ -1,0 +1,109 @@
+//! `run --set`, `compare`, `sweep` and `study` of a tool that its own file describes: the tacker of the page.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::common::{command, folder, json, messages, over};
+
+/// Area of the exhaust of the tacker and a smaller one \[m2\].
+const AREAS: [f64; 2] = [30e-6, 15e-6];
+const KEY: &str = "cycle.passage.exhaust.area";
+
+/// The tacker in a folder, on the small design, with further lines.
+fn tacker(folder: &Path, name: &str, more: &str) -> String {
+    let parts = crate::assembly::blocks();
+    let (_, tacker) = parts.split_last().unwrap();
+    over(folder, name, &format!("{}\n{more}", tacker.concat()))
+}
+
+fn made(name: &str) -> (PathBuf, String) {
+    let folder = folder(&format!("own_assembly/{name}"));
+    let design = tacker(&folder, "tacker", "[study]\nscreening = 0\nrequire = []");
+    (folder, design)
+}
+
+/// The JSON value that a command prints in a folder.
+fn printed(folder: &Path, arguments: &[&str]) -> Value {
+    let all = [arguments, &["--json", "--out", "out"]].concat();
+    json(&command(&all).current_dir(folder).output().unwrap())
+}
+
+/// Level of the exhaust of a run \[dB\].
+fn exhaust(ranking: &Value) -> f64 {
+    let mut sources = ranking.as_array().unwrap().iter();
+    let own = sources.find(|own| own["source"] == "exhaust").unwrap();
+    own["lwa_db"].as_f64().unwrap()
+}
+
+/// A sweep, a comparison and a run with `--set` of the same literal have the same levels.
+#[test]
+fn a_literal_of_a_block_is_set_swept_and_compared_alike() {
+    let (folder, design) = made("alike");
+    let set = format!("{KEY}=15mm2");
+    let [base, narrow] = [&[][..], &["--set", &set]].map(|set| {
+        let result = printed(&folder, &[&["run", &design], set].concat());
+        exhaust(&result["ranking"])
+    });
+    assert!(narrow < base - 0.5, "{narrow} dB against {base} dB");
+    let swept = printed(&folder, &["sweep", &design, "--vary", &format!("{KEY}=30mm2,15mm2")]);
+    for (point, level) in swept["points"].as_array().unwrap().iter().zip([base, narrow]) {
+        let found = exhaust(&point["levels"]["sources"]);
+        assert!((found - level).abs() < 1e-6, "{found} dB against {level} dB: {point}");
+    }
+    let text = fs::read_to_string(&design).unwrap();
+    let (before, after) = text.split_once("[cycle.passage.exhaust]").unwrap();
+    let after = after.replacen("area = \"30 mm2\"", "area = \"15 mm2\"", 1);
+    let other = folder.join("narrow.toml");
+    fs::write(&other, format!("{before}[cycle.passage.exhaust]{after}")).unwrap();
+    let compared = printed(&folder, &["compare", &design, other.to_str().unwrap()]);
+    let inputs = compared["inputs"].as_array().unwrap();
+    assert_eq!(inputs.len(), 1, "{inputs:#?}");
+    assert_eq!((&inputs[0]["key"], &inputs[0]["unit"]), (&KEY.into(), &"m2".into()));
+    for (value, area) in inputs[0]["values"].as_array().unwrap().iter().zip(AREAS) {
+        assert!((value.as_f64().unwrap() / area - 1.0).abs() < 1e-12, "{value}");
+    }
+    let mut rows = compared["sources"].as_array().unwrap().iter();
+    let row = rows.find(|own| own["source"] == "exhaust").unwrap();
+    for (value, level) in row["level_db"].as_array().unwrap().iter().zip([base, narrow]) {
+        assert!((value.as_f64().unwrap() - level).abs() < 1e-6, "{row}");
+    }
+}
+
+#[test]
+fn a_literal_that_no_block_has_is_refused_with_the_nearest() {
+    let (folder, design) = made("unknown");
+    for arguments in [
+        ["run", &design, "--set", "cycle.passage.exhaust.aera=15mm2"],
+        ["sweep", &design, "--vary", "cycle.passage.exhaust.aera=15mm2,30mm2"],
+    ] {
+        let output = command(&arguments).current_dir(&folder).output().unwrap();
+        let message = messages(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("did you mean \"area\"?"), "{message}");
+    }
+}
+
+#[test]
+fn a_study_draws_the_range_of_a_literal() {
+    let (folder, design) = made("drawn");
+    let result = printed(&folder, &["study", &design, "-n", "3"]);
+    assert_eq!(result["draws"], 3);
+    let mut table = csv::Reader::from_path(folder.join("out/study/draws.csv")).unwrap();
+    let header = table.headers().unwrap().clone();
+    let place = header.iter().position(|name| name.starts_with("cycle.let.bore"));
+    let place = place.unwrap_or_else(|| panic!("{header:?}"));
+    let bores: Vec<f64> = table
+        .records()
+        .map(|record| record.unwrap()[place].parse().unwrap())
+        .collect();
+    assert_eq!(bores.len(), 3);
+    for bore in &bores {
+        assert!((24e-3..=32e-3).contains(bore), "{bores:?}");
+        assert_eq!(bores.iter().filter(|other| *other == bore).count(), 1, "{bores:?}");
+    }
+    for name in ["piston.mass", "supply.pressure", "nail.length"] {
+        assert!(!header.iter().any(|own| own.starts_with(name)), "{name} has no effect");
+    }
+}
