@@ -29,7 +29,7 @@ use crate::stages::Progress;
 /// Errors of methods drawn for each shot.
 pub(super) const ERRORS: usize = 16;
 
-/// Share of the shots that must be effective for the first ones to suffice, and the least number of effective shots.
+/// Share of the first shots that must be effective for these to suffice, and the least number of effective shots.
 const ENOUGH: f64 = 0.25;
 pub(super) const FEWEST: f64 = 32.0;
 
@@ -146,7 +146,7 @@ impl LevelStage<'_> {
         let all = posterior.state.particles.len();
         let first = self.request.levels.min(all);
         let levelled = self.of_shots(posterior, held_out, first)?;
-        if levelled.effective >= ENOUGH * levelled.shots as f64 || first == all {
+        if levelled.effective >= FEWEST.max(ENOUGH * levelled.shots as f64) || first == all {
             return Ok(levelled);
         }
         self.of_shots(posterior, held_out, all)
@@ -514,8 +514,7 @@ impl Levelled {
         [&before, &self.weights].map(|weights| {
             let own = self.origins.iter().zip(weights);
             own.filter(|(own, _)| is_first(&own.levels))
-                .map(|(_, weight)| weight)
-                .sum()
+                .fold(0.0, |sum, (_, weight)| sum + weight)
         })
     }
 }

@@ -21,8 +21,14 @@ pub(super) fn next_lines(rows: &[NextRow]) -> String {
     let line = |own: &&NextRow| {
         let least = if own.is_bound { "at least " } else { "" };
         format!(
-            "    {}, {:.0} min: {:.1} dB and {:.2}, which is {least}{:.1} dB narrower and {:+.2} surer an hour\n",
-            own.measurement, own.minutes, own.width[1], own.first[1], own.narrower_an_hour, own.surer_an_hour
+            "    {}, {:.0} min: {:.1} dB and {:.2}, which is {least}{:.1} dB narrower and {:.2} surer an hour\n",
+            own.measurement,
+            own.minutes,
+            own.width[1],
+            own.first[1],
+            own.narrower_an_hour,
+            // On average no measurement makes the order less sure; a negative value is an error of sampling.
+            own.surer_an_hour.max(0.0)
         )
     };
     let lines: String = named.iter().map(line).collect();
