@@ -99,7 +99,7 @@ mod tests {
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(shown.y.range[1], 2.0) && close(shown.series[0].y[1], 1.0));
         assert!(matches!(&shown.series[0].shape, Shape::Band(ends) if close(ends[0], 2.0)));
-        assert_eq!(shown.series[0].name, "bumper at 1.00 in");
+        assert_eq!(shown.series[0].name, "bumper at 1.000 in");
         assert_eq!(shown.series[0].x, [0.0, 1.0]);
     }
 }

@@ -101,7 +101,8 @@ impl Quantities {
     /// The quantities that begin at this place.
     fn at(text: &str, mut at: usize) -> Option<Self> {
         // "dB re 1 m/s": a reference value.
-        if text[..at].ends_with("re ") {
+        let before = text[..at].strip_suffix("re ");
+        if before.is_some_and(|before| !before.ends_with(char::is_alphabetic)) {
             return None;
         }
         let mut numbers = Vec::new();
@@ -283,6 +284,7 @@ mod tests {
                 "head 4.0 mm deep, 8.0 J left at flush",
                 "head 0.157 in deep, 5.90 ft-lbf left at flush",
             ),
+            ("ends where 5.0 mm are allowed", "ends where 0.197 in are allowed"),
             ("1.97 L of air a shot", "0.0696 ft3 of air a shot"),
             ("763 kPa absolute", "110.7 psi absolute"),
             ("10.226 kN", "2298.9 lbf"),
