@@ -300,7 +300,7 @@ mod tests {
             };
             match workpiece_radiation(context, &bodies).unwrap().field {
                 FieldMethod::BoundaryElements(_, matrix) => *matrix.key(),
-                FieldMethod::Rayleigh(..) | FieldMethod::Erp => panic!("boundary elements"),
+                FieldMethod::Rayleigh(..) | FieldMethod::Erp | FieldMethod::Absent => panic!("boundary elements"),
             }
         };
         let mut other = base.clone();
