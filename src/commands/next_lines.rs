@@ -33,8 +33,8 @@ pub(super) fn next_lines(rows: &[NextRow]) -> String {
     };
     let lines: String = named.iter().map(line).collect();
     format!(
-        "  measure next (the total is known to {:.1} dB, its 90 % interval; P(first) of the loudest source is {:.2})\n{lines}\
-         \x20   other measurements: `nailnoise calibrate DESIGN --next`\n",
+        "  measure next (the total is known to {:.1} dB, its 90 % interval; P(first) of the loudest source is {:.2})\n\
+         {lines}    other measurements: `nailnoise calibrate DESIGN --next`\n",
         first.width[0], first.first[0]
     )
 }
