@@ -221,6 +221,19 @@ fn contains(expression: &Expression, channel: Channel) -> bool {
     }
 }
 
+/// SI unit of a figure of [`figures`], from its name.
+pub(crate) fn figure_unit(figure: &str) -> &'static str {
+    if figure.starts_with("speed_") {
+        "m/s"
+    } else if figure.ends_with("_force") {
+        "N"
+    } else if figure.ends_with("_depth") {
+        "m"
+    } else {
+        "kg"
+    }
+}
+
 /// Figures of a shot, named after the blocks of its assembly.
 fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
     let mut figures = BTreeMap::new();
