@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
-pub(crate) use of_assembly::{TOOL, WORKPIECE, figure_unit};
+pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit};
 pub use of_keys::event_times;
 pub use shot::{BORE, EngineRecord, EventTimes, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures};
 

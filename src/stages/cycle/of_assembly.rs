@@ -18,7 +18,7 @@ pub(crate) const TOOL: &str = "tool";
 /// The body on which a tool works.
 pub(crate) const WORKPIECE: &str = "workpiece";
 /// Outcome of a shot to which no outcome of its assembly applies.
-const UNNAMED: &str = "unnamed";
+pub(crate) const UNNAMED: &str = "unnamed";
 
 impl ShotRecord {
     /// The shot of an assembly.
