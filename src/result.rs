@@ -638,7 +638,7 @@ pub struct EventChange {
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FigureChange {
     /// Its name among the figures of the shot.
-    pub figure: &'static str,
+    pub figure: std::borrow::Cow<'static, str>,
     /// Its SI unit.
     pub unit: &'static str,
     /// Value one way; null if there is none.

@@ -7,6 +7,7 @@ pub mod blow;
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;
+mod coupling;
 mod cycle;
 mod energy;
 mod error;

@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::CycleError;
-
 /// Forces of the cycle on the wood at one instant, positive downwards.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct WoodForces {
@@ -42,8 +40,8 @@ pub struct Compliance {
 /// It advances with steps of the cycle's sample interval; within a step the forces are linear in time. The cycle tries
 /// forces at the end of a step as often as it needs, and then accepts one set of them.
 pub trait Workpiece {
-    /// Error of the structure.
-    type Error: From<CycleError>;
+    /// Error of the structure, or of the cycle.
+    type Error;
 
     /// Brings the wood to rest under its weight and the force of the seated tool \[N\]; returns its motion.
     ///

@@ -123,18 +123,17 @@ impl<'a> Motions<'a> {
     /// The shot from one of its initial states, with the radiation impedance frozen at each mode's resonance.
     pub(crate) fn driven(&self, start: u32, two_way: bool) -> DrivenVibration {
         let shot = self.shot.with_start(start);
-        // A design couples two ways only if the engine can.
-        let (true, Engine::Keys(cycle)) = (two_way, &self.engine) else {
+        if !two_way {
             return DrivenVibration {
                 cycle: self.lumped.clone(),
                 vibration: self.one_way(shot),
                 coupled: None,
             };
-        };
+        }
         let both = self.graph.add(CoupledResponse {
             shot,
             structure: self.structure.clone(),
-            cycle: cycle.clone(),
+            engine: self.engine.clone(),
         });
         DrivenVibration {
             cycle: self.graph.add(CoupledCycle(both.clone())),

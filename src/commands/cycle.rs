@@ -174,13 +174,21 @@ fn of_assembly(arguments: &Arguments, tool: &AssembledTool) -> Result<Status, Er
     let options = [
         ("--as-published", arguments.as_published.is_some()),
         ("--penetration-table", arguments.penetration_table.is_some()),
-        ("--sensitivity", arguments.sensitivity),
         ("--draw", arguments.draw.is_some()),
     ];
     if let Some((option, _)) = options.into_iter().find(|(_, given)| *given) {
         return Err(Error::OfDesign { option });
     }
     let common = &arguments.common;
+    if arguments.sensitivity {
+        let (outputs, parameters) = (&arguments.outputs, &arguments.parameters);
+        if tool.has_design {
+            let design = common.begin_with_any_tool()?;
+            return super::sensitivity::execute(common, &design, outputs, parameters);
+        }
+        common.options.threads.start()?;
+        return super::sensitivity::execute_tool(common, tool, outputs, parameters);
+    }
     common.options.threads.start()?;
     let asked = Asked {
         path: &common.design,

@@ -1,18 +1,22 @@
-//! `nailnoise cycle --sensitivity`: effect of a design's ranges on its shot, one parameter at a time.
+//! `nailnoise cycle --sensitivity`: effect of the ranges of a design or an assembly on its shot, one at a time.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::Status;
 use super::table::table;
-use super::{Common, print, print_json, progress};
+use super::{Common, given_or_named, print, print_json, progress};
 use crate::atomic_write;
 use crate::design::Design;
+use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
-use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
+use crate::sensitivity::{
+    self, AssemblyOutput, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL,
+};
 use crate::tables::dash;
 
 /// Number of parameters shown for each result; the file contains all.
@@ -22,9 +26,18 @@ const SHOWN: usize = 10;
 #[derive(Serialize)]
 struct Layout<'a> {
     schema: &'static str,
-    design: DesignId,
+    #[serde(flatten)]
+    subject: Named<'a>,
     #[serde(flatten)]
     sensitivity: &'a Sensitivity,
+}
+
+/// What was differentiated: a design, or a tool whose file has no base design.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Named<'a> {
+    Design { design: DesignId },
+    Tool { tool: &'a str, assembly: &'a str },
 }
 
 pub(super) fn execute(
@@ -35,33 +48,73 @@ pub(super) fn execute(
 ) -> Result<Status, Error> {
     let keys: Vec<&str> = parameters.iter().map(|key| key.trim()).collect();
     let keys = (!keys.is_empty()).then_some(keys.as_slice());
-    let outputs = if outputs.is_empty() {
-        sensitivity::choose(&USUAL)?
-    } else {
-        sensitivity::choose(outputs)?
-    };
     let folder = common.out(design)?;
     let progress = progress();
     progress.stage("sensitivity of the nailing cycle");
-    let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &progress)?;
+    let sensitivity = match sensitivity::sensitivity_of_assembly(design, outputs, keys, &progress)? {
+        Some(found) => found,
+        None => {
+            let outputs = if outputs.is_empty() {
+                sensitivity::choose(&USUAL)?
+            } else {
+                sensitivity::choose(outputs)?
+            };
+            sensitivity::sensitivity(design, &outputs, keys, &progress)?
+        }
+    };
     progress.end();
+    let named = Named::Design {
+        design: DesignId::from(design),
+    };
+    finish(common, &folder, (design.name(), named), &sensitivity)
+}
+
+/// The same for an assembly without a design.
+pub(super) fn execute_tool(
+    common: &Common,
+    tool: &AssembledTool,
+    outputs: &[String],
+    parameters: &[String],
+) -> Result<Status, Error> {
+    let keys: Vec<&str> = parameters.iter().map(|key| key.trim()).collect();
+    let keys = (!keys.is_empty()).then_some(keys.as_slice());
+    let outputs = AssemblyOutput::choose(&tool.resolved.assembly, outputs)?;
+    let folder = given_or_named(common.options.out.as_deref(), &tool.name, &common.design)?;
+    let progress = progress();
+    progress.stage("sensitivity of the cycle");
+    let sensitivity = sensitivity::sensitivity_of_tool(tool, &outputs, keys, &progress)?;
+    progress.end();
+    let named = Named::Tool {
+        tool: &tool.name,
+        assembly: &tool.resolved.assembly.name,
+    };
+    finish(common, &folder, (&tool.name, named), &sensitivity)
+}
+
+/// Writes the table and prints the result.
+fn finish(
+    common: &Common,
+    folder: &Path,
+    (name, subject): (&str, Named<'_>),
+    sensitivity: &Sensitivity,
+) -> Result<Status, Error> {
     let path = folder.join("sensitivity.csv");
-    atomic_write::write(&path, &csv(&sensitivity)?)?;
+    atomic_write::write(&path, &csv(sensitivity)?)?;
     if common.options.json {
         print_json(&Layout {
             schema: "nailnoise-sensitivity/1",
-            design: DesignId::from(design),
-            sensitivity: &sensitivity,
+            subject,
+            sensitivity,
         })?;
     } else {
-        common.shown.print(&text(design.name(), &sensitivity))?;
+        common.shown.print(&text(name, sensitivity))?;
         print(&format!("\n  all parameters in {}\n", path.display()))?;
     }
     Ok(Status::SUCCESS)
 }
 
 fn text(name: &str, sensitivity: &Sensitivity) -> String {
-    let outcome = sensitivity.outcome.name().replace('_', " ");
+    let outcome = sensitivity.outcome.replace('_', " ");
     let count = sensitivity.parameters.len();
     let mut text = format!("{name}: {outcome}; sensitivity to {count} parameters, all in SI units\n");
     for output in &sensitivity.outputs {
@@ -155,7 +208,7 @@ fn short(value: f64) -> String {
 
 fn end(end: &End) -> String {
     match end {
-        End::Outcome(outcome) => outcome.name().replace('_', " "),
+        End::Outcome(outcome) => outcome.replace('_', " "),
         End::Refused(_) => "no design".to_owned(),
         End::Failed(_) => "cannot be computed".to_owned(),
     }
@@ -188,7 +241,7 @@ fn csv(sensitivity: &Sensitivity) -> Result<Vec<u8>, Error> {
         let [from, to] = parameter.parameter.range.map(number);
         let [left, right] = parameter.ends.each_ref().map(end);
         Some([
-            output.name.to_string(),
+            output.name.clone(),
             output.unit.to_string(),
             optional(output.value),
             derivative.key.clone(),

@@ -1,4 +1,4 @@
-//! Response of the figures of a shot to the parameters of its design.
+//! Response of the figures of a shot to the parameters of its design, or to the numbers of an assembly.
 //!
 //! For each key of the cycle that has a range, the derivative of each figure is computed from central differences at
 //! steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to a step of zero. If a step leaves the limits of a
@@ -13,21 +13,24 @@
 //! sampled peaks, is measured by running the design with two tolerances and intervals. It is included in the error of
 //! every derivative.
 
+mod assembly_outputs;
 mod extrapolate;
 mod outputs;
+mod subject;
 
-use nailnoise_dynamics::{CycleError, CycleRecord, Outcome, Settings, simulate};
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use assembly_outputs::AssemblyOutput;
 pub use outputs::{OUTPUTS, Output, USUAL, choose};
 
-use crate::design::inputs::cycle::{cycle_settings, parameters as cycle_parameters};
+use crate::design::inputs::assembly::{AssembledTool, cycle as assembled};
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::stages::Progress;
-use crate::study::{Parameter, taking_part};
+use crate::study::Parameter;
 use extrapolate::{Estimate, extrapolate};
+use subject::{Accuracy, OfDesign, OfKeys, OfTool, Run, Shot, Subject};
 
 /// Longest step as a fraction of a parameter's size.
 const FIRST_STEP: f64 = 0.08;
@@ -35,16 +38,12 @@ const FIRST_STEP: f64 = 0.08;
 const STEPS: usize = 4;
 /// Number of runs between progress messages.
 const BATCH: usize = 64;
-/// Tolerance of the integration as a fraction of the design's.
-const CLOSER: f64 = 1e-2;
-/// Maximum sampling interval, for accurate peaks \[s\].
-const SAMPLES: f64 = 4e-6;
 
 /// Sensitivity of figures of a shot to the parameters of its design.
 #[derive(Debug, Clone, Serialize)]
 pub struct Sensitivity {
     /// Outcome of the shot of the design itself.
-    pub outcome: Outcome,
+    pub outcome: String,
     /// The figures, and how the parameters rank for each.
     pub outputs: Vec<OutputSensitivity>,
     /// The parameters.
@@ -55,7 +54,7 @@ pub struct Sensitivity {
 #[derive(Debug, Clone, Serialize)]
 pub struct OutputSensitivity {
     /// Name.
-    pub name: &'static str,
+    pub name: String,
     /// SI unit.
     pub unit: &'static str,
     /// Value in the design; null if its phase does not occur.
@@ -119,24 +118,15 @@ pub struct ParameterOutcome {
 #[serde(rename_all = "snake_case")]
 pub enum End {
     /// The outcome of the shot.
-    Outcome(Outcome),
+    Outcome(String),
     /// The values conflict.
     Refused(String),
     /// The cycle fails with this error.
     Failed(String),
 }
 
-/// A run of the design with one parameter changed.
-enum Run {
-    Shot {
-        outcome: Outcome,
-        figures: Vec<Option<f64>>,
-    },
-    Refused(String),
-    Failed(String),
-}
-
-/// Sensitivity of `outputs` to every key of the cycle in `design` that has a range, or to those of them in `keys`.
+/// Sensitivity of `outputs` to every key of the cycle in `design` that has a range, or to those of them in `keys`, for
+/// the tool described by keys.
 ///
 /// # Errors
 /// [`Error::Cycle`] if the design itself cannot be computed, [`Error::NoSuchParameter`] for the first of `keys` that is
@@ -147,7 +137,60 @@ pub fn sensitivity(
     keys: Option<&[&str]>,
     progress: &Progress,
 ) -> Result<Sensitivity, Error> {
-    let mut parameters = taking_part(design)?;
+    rank(&OfKeys { design, outputs }, keys, progress)
+}
+
+/// The same for the assembly of a design: sensitivity of the figures of these names to its literals and to the keys
+/// that its formulas use; `None` for a design without an assembly.
+///
+/// # Errors
+/// [`Error::Network`] if the assembly itself cannot be computed, [`Error::NoSuchOutput`] as [`AssemblyOutput::choose`],
+/// [`Error::NoSuchParameter`] as [`sensitivity`].
+pub fn sensitivity_of_assembly(
+    design: &Design,
+    names: &[impl AsRef<str>],
+    keys: Option<&[&str]>,
+    progress: &Progress,
+) -> Result<Option<Sensitivity>, Error> {
+    let Some(cycle) = assembled(design)? else {
+        return Ok(None);
+    };
+    let subject = OfDesign {
+        design,
+        assembly: &cycle.assembly,
+        numerics: cycle.numerics,
+        outputs: &AssemblyOutput::choose(&cycle.assembly, names)?,
+    };
+    rank(&subject, keys, progress).map(Some)
+}
+
+/// The figures of a design's assembly with these names or in these groups, as [`AssemblyOutput::choose`]; `None` for a
+/// design without an assembly.
+///
+/// # Errors
+/// If the values of the design do not yield a valid assembly, and the errors of [`AssemblyOutput::choose`].
+pub fn assembly_outputs(design: &Design, names: &[impl AsRef<str>]) -> Result<Option<Vec<AssemblyOutput>>, Error> {
+    let cycle = assembled(design)?;
+    cycle
+        .map(|cycle| AssemblyOutput::choose(&cycle.assembly, names))
+        .transpose()
+}
+
+/// The same for a tool without a design: sensitivity to the numbers of its files.
+///
+/// # Errors
+/// Same as [`sensitivity_of_assembly`], except those of the figures.
+pub fn sensitivity_of_tool(
+    tool: &AssembledTool,
+    outputs: &[AssemblyOutput],
+    keys: Option<&[&str]>,
+    progress: &Progress,
+) -> Result<Sensitivity, Error> {
+    rank(&OfTool { tool, outputs }, keys, progress)
+}
+
+fn rank(subject: &impl Subject, keys: Option<&[&str]>, progress: &Progress) -> Result<Sensitivity, Error> {
+    let mut parameters = subject.parameters()?;
     // A derivative with respect to an integer does not exist.
     parameters.retain(|parameter| matches!(parameter.value, Value::Number(_)));
     if let Some(keys) = keys {
@@ -162,16 +205,11 @@ pub fn sensitivity(
         }
         parameters.retain(|parameter| keys.contains(&parameter.key.as_str()));
     }
-    let close = cycle_settings(design);
-    let settings = |tolerance: f64, interval: f64| Settings {
-        relative_tolerance: close.relative_tolerance * CLOSER * tolerance,
-        sample_interval: close.sample_interval.min(SAMPLES) * interval,
-        ..close.clone()
-    };
-    let base = simulate(&cycle_parameters(design)?, &settings(1.0, 1.0))?;
-    let check = simulate(&cycle_parameters(design)?, &settings(0.5, 0.62))?;
-    let read = |record: &CycleRecord| outputs.iter().map(|output| output.of(record)).collect::<Vec<_>>();
-    let (values, checked) = (read(&base), read(&check));
+    let Shot {
+        outcome,
+        figures: values,
+    } = subject.shot(Accuracy::USUAL)?;
+    let checked = subject.shot(Accuracy::OTHER)?.figures;
     let noise: Vec<f64> = values
         .iter()
         .zip(&checked)
@@ -185,7 +223,7 @@ pub fn sensitivity(
         .collect();
     let mut runs: Vec<Run> = Vec::with_capacity(jobs.len());
     for batch in jobs.chunks(BATCH) {
-        let of_job = |(index, x): &(usize, f64)| run(design, &parameters[*index], *x, &settings(1.0, 1.0), outputs);
+        let of_job = |(index, x): &(usize, f64)| subject.moved(&parameters[*index], *x);
         runs.par_extend(batch.par_iter().map(of_job));
         progress.done(runs.len() as u64, jobs.len() as u64);
     }
@@ -198,22 +236,22 @@ pub fn sensitivity(
         ranking.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         ranking
     };
+    let outputs = subject.names();
     let outputs = outputs
-        .iter()
+        .into_iter()
         .enumerate()
-        .map(|(index, output)| OutputSensitivity {
-            name: output.name,
-            unit: output.unit,
+        .map(|(index, (name, unit))| OutputSensitivity {
+            name,
+            unit,
             value: values[index],
             noise: noise[index],
             ranking: ranking(index),
         })
         .collect();
-    let outcome = base.outcome;
     let ends = |(parameter, runs): (Parameter, &&[Run])| {
         let ends = [&runs[2 * STEPS], &runs[2 * STEPS + 1]].map(End::from);
         let other = |run: &Run| match run {
-            Run::Shot { outcome: own, .. } => *own != outcome,
+            Run::Shot(shot) => shot.outcome != outcome,
             Run::Refused(_) => false,
             Run::Failed(_) => true,
         };
@@ -250,38 +288,11 @@ fn points(parameter: &Parameter) -> Vec<f64> {
     (0..STEPS).flat_map(both).chain(parameter.range).collect()
 }
 
-fn run(design: &Design, parameter: &Parameter, x: f64, settings: &Settings, outputs: &[Output]) -> Run {
-    let mut moved = design.clone();
-    if let Err(error) = moved.set(&[(parameter.change(), Value::Number(x))]) {
-        return Run::Refused(error.to_string());
-    }
-    if let Some(conflict) = moved.conflict() {
-        return Run::Refused(conflict.to_string());
-    }
-    let shot = match cycle_parameters(&moved) {
-        Ok(shot) => shot,
-        Err(error) => return Run::Refused(error.to_string()),
-    };
-    match simulate(&shot, settings) {
-        Ok(record) => Run::Shot {
-            outcome: record.outcome,
-            figures: outputs.iter().map(|output| output.of(&record)).collect(),
-        },
-        Err(
-            error @ (CycleError::Integration { .. }
-            | CycleError::Collapse { .. }
-            | CycleError::Chatter { .. }
-            | CycleError::DryFire { .. }),
-        ) => Run::Failed(error.to_string()),
-        Err(error) => Run::Refused(error.to_string()),
-    }
-}
-
 /// The derivative of figure `output`, whose value in the design is `value`.
 fn derivative(parameter: &Parameter, runs: &[Run], output: usize, value: f64, noise: f64) -> Option<Derivative> {
     let first = first_step(parameter);
     let figure = |index: usize| match &runs[index] {
-        Run::Shot { figures, .. } => figures[output],
+        Run::Shot(shot) => shot.figures[output],
         _ => None,
     };
     let step = |k: usize| first / f64::from(1_u32 << k);
@@ -323,7 +334,7 @@ fn derivative(parameter: &Parameter, runs: &[Run], output: usize, value: f64, no
 impl From<&Run> for End {
     fn from(run: &Run) -> Self {
         match run {
-            Run::Shot { outcome, .. } => Self::Outcome(*outcome),
+            Run::Shot(shot) => Self::Outcome(shot.outcome.clone()),
             Run::Refused(reason) => Self::Refused(reason.clone()),
             Run::Failed(reason) => Self::Failed(reason.clone()),
         }

@@ -136,7 +136,7 @@ pub fn choose(names: &[impl AsRef<str>]) -> Result<Vec<Output>, Error> {
 ///
 /// The samples of a contact of 70 us miss its peak by up to 0.4 %, and this error changes with every parameter; the
 /// parabola through the three highest samples leaves about 1e-5.
-fn peak(values: &[f64], sign: f64) -> f64 {
+pub(super) fn peak(values: &[f64], sign: f64) -> f64 {
     let value = |index: usize| sign * values[index];
     let Some(top) = (0..values.len()).max_by(|a, b| value(*a).total_cmp(&value(*b))) else {
         return 0.0;

@@ -1,9 +1,11 @@
 //! Changes of events, figures and levels from the one-way to the two-way coupled run.
 
+use std::borrow::Cow;
+
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level};
 use nailnoise_dynamics::CouplingWork;
 
-use super::cycle::ShotRecord;
+use super::cycle::{ShotRecord, SummaryFigures, figure_unit};
 use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, Total};
 
 /// Compares record and sources of the one-way run with record and levels of the two-way run.
@@ -13,8 +15,9 @@ pub fn changes(
     (two_shot, ranking, total): (&ShotRecord, &[RankedSource], &Total),
     range_hz: [f64; 2],
 ) -> Coupling {
-    // The first event is the trigger, at the same time in both.
-    let events = one_shot.events.iter().skip(1);
+    // The first event of the tool of the keys is the trigger, at the same time in both.
+    let first = usize::from(one_shot.of_tool_of_keys().is_some());
+    let events = one_shot.events.iter().skip(first);
     let level = |name: &str, one_way_lwa_db, two_way_lwa_db| LevelChange {
         source: name.to_owned(),
         one_way_lwa_db,
@@ -38,17 +41,29 @@ pub fn changes(
                 two_way_s: two_shot.event(&event.name),
             })
             .collect(),
-        figures: FIGURES
-            .iter()
+        figures: figures(&one_shot.figures)
+            .into_iter()
             .map(|(figure, unit)| FigureChange {
-                figure,
                 unit,
-                one_way: one_shot.figures.get(figure),
-                two_way: two_shot.figures.get(figure),
+                one_way: one_shot.figures.get(&figure),
+                two_way: two_shot.figures.get(&figure),
+                figure,
             })
             .collect(),
         levels,
         work,
+    }
+}
+
+/// Figures to compare, with their units: those of the tool of the keys that a support may change, or all of an
+/// assembly.
+fn figures(of: &SummaryFigures) -> Vec<(Cow<'static, str>, &'static str)> {
+    match of {
+        SummaryFigures::Keys(_) => FIGURES.map(|(figure, unit)| (Cow::Borrowed(figure), unit)).to_vec(),
+        SummaryFigures::Assembly(all) => all
+            .keys()
+            .map(|figure| (Cow::Owned(figure.clone()), figure_unit(figure)))
+            .collect(),
     }
 }
 

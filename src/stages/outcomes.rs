@@ -89,7 +89,8 @@ fn of_assembly(cycle: &AssembledCycle) -> ShotOutcome {
             error @ (RunError::Integration { .. }
             | RunError::Collapse { .. }
             | RunError::Chatter { .. }
-            | RunError::Switching { .. }),
+            | RunError::Switching { .. }
+            | RunError::Coupling { .. }),
         ) => ShotOutcome::SolverFailure(error.to_string()),
         Err(error) => ShotOutcome::Refused(error.to_string()),
     }

@@ -233,7 +233,6 @@ fn switches_that_an_assembly_does_not_follow_are_refused_at_their_place() {
     for (key, text) in [
         ("model.gas", "model.gas = \"published\""),
         ("wood.penetration_law", "wood.penetration_law = \"constant\""),
-        ("support.coupling", "support.coupling = \"two-way\""),
     ] {
         let own = small(&format!("{text}\n[cycle]\nassembly = \"n80cb\""));
         let refused = chain::shot(&own).unwrap_err();
@@ -242,6 +241,13 @@ fn switches_that_an_assembly_does_not_follow_are_refused_at_their_place() {
         };
         assert!(error.to_string().contains(key), "{error}");
     }
+}
+
+#[test]
+fn two_way_coupling_without_a_workpiece_is_refused_at_its_place() {
+    let own = small("support.coupling = \"two-way\"\n[cycle]\nassembly = \"blow_gun\"");
+    let refused = chain::shot(&own).unwrap_err().to_string();
+    assert!(refused.contains("support.coupling"), "{refused}");
 }
 
 #[test]

@@ -1,11 +1,16 @@
 //! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of the permitted
 //! values.
 
+use nailnoise::chain;
 use nailnoise::design::Value;
 use nailnoise::design::inputs::cycle::{cycle_settings, parameters};
-use nailnoise::sensitivity::{Derivative, End, OUTPUTS, Sensitivity, choose, sensitivity};
+use nailnoise::sensitivity::{
+    Derivative, End, OUTPUTS, Sensitivity, assembly_outputs, choose, sensitivity, sensitivity_of_assembly,
+};
 use nailnoise::stages::Progress;
+use nailnoise::stages::cycle::EngineRecord;
 use nailnoise::{Design, Error};
+use nailnoise_dynamics::network::Record;
 use nailnoise_dynamics::{CycleRecord, Outcome, Settings, simulate};
 
 /// The N80CB with a range for the density of the nail's steel.
@@ -198,19 +203,127 @@ fn a_range_over_which_the_shot_changes_is_flagged() {
         &Progress::silent(),
     )
     .unwrap();
-    assert_eq!(s.outcome, Outcome::Drives);
+    assert_eq!(s.outcome, Outcome::Drives.name());
     let of_key = |key: &str| s.parameters.iter().find(|p| p.parameter.key == key).unwrap();
     let wood = of_key(keys[0]);
     assert!(wood.outcome_changes);
     assert_eq!(
         wood.ends,
-        [End::Outcome(Outcome::Overdriven), End::Outcome(Outcome::Underdriven)]
+        [Outcome::Overdriven, Outcome::Underdriven].map(|own| End::Outcome(own.name().to_owned()))
     );
     assert!(!of_key(keys[1]).outcome_changes);
     // A range of three decades: the derivative here does not predict its far end, the run there does.
     let cap = of(&s, "speed_before_impact", keys[2]);
     assert_eq!(cap.is_linear(), Some(false));
     assert!(cap.weight < 0.1 && cap.effect.abs() > 1.0, "{cap:?}");
+}
+
+/// The built-in stapler, with a range for the mass of a staple.
+fn stapler() -> Design {
+    let text = "base = \"n80cb.toml\"\n\
+                staple.mass = { value = \"0.12 g\", range = \"0.10 .. 0.15 g\" }\n\
+                [cycle]\nassembly = \"stapler\"\n";
+    Design::parse(text, concat!(env!("CARGO_MANIFEST_DIR"), "/designs/stapled.toml")).unwrap()
+}
+
+/// The record of a design's assembly with one key moved, integrated closely.
+fn shot_of(design: &Design, key: &str, value: f64) -> Record {
+    let mut design = design.clone();
+    let closely = ("analysis.cycle_tolerance", Value::Number(1e-10));
+    design.set(&[(key, Value::Number(value)), closely]).unwrap();
+    match chain::shot(&design).unwrap().record {
+        EngineRecord::Assembly(record) => *record,
+        EngineRecord::Keys(_) => panic!("the tool of the keys"),
+    }
+}
+
+fn of_assembly(design: &Design, names: &[&str], keys: &[&str]) -> Sensitivity {
+    let found = sensitivity_of_assembly(design, names, Some(keys), &Progress::silent());
+    found.unwrap().unwrap()
+}
+
+/// The driver loses speed only to the staple: dv'/dm = -v M/(M + m)^2.
+#[test]
+fn the_impact_of_an_assembly_depends_on_the_mass_of_its_fastener_by_momentum() {
+    let design = stapler();
+    let s = of_assembly(&design, &["speed", "starts"], &["staple.mass"]);
+    assert_eq!(s.outcome, "drives");
+    let v = s.outputs.iter().find(|own| own.name == "speed_before_staple").unwrap();
+    assert_eq!(v.unit, "m/s");
+    let (driver, staple) = (design.piston.mass, 0.12e-3);
+    let exact = -v.value.unwrap() * driver / (driver + staple).powi(2);
+    let after = of(&s, "speed_after_staple", "staple.mass");
+    assert!(
+        (after.derivative / exact - 1.0).abs() < 1e-5 && (after.derivative - exact).abs() <= after.error,
+        "{after:?}, exactly {exact:e}"
+    );
+    for output in ["speed_before_staple", "starts"] {
+        let before = of(&s, output, "staple.mass");
+        assert_eq!((before.derivative, before.effect), (0.0, 0.0), "{output}");
+    }
+    let mass = &s.parameters[0].parameter;
+    assert_eq!((mass.unit.as_str(), mass.range), ("kg", [0.10e-3, 0.15e-3]));
+}
+
+/// A literal and a key of the assembly against central differences made by hand.
+#[test]
+fn differences_of_literals_made_by_hand_agree_within_the_error() {
+    let design = stapler();
+    let keys = ["staple.force", "cycle.contact.support.stiffness"];
+    let names = [
+        "speed_before_staple",
+        "staple_depth",
+        "stop",
+        "exhaust_mass",
+        "peak_staple_force",
+    ];
+    let outputs = assembly_outputs(&design, &names).unwrap().unwrap();
+    let s = of_assembly(&design, &names, &keys);
+    for (key, value, step) in [(keys[0], 180.0, 0.9), (keys[1], 1e8, 1e6)] {
+        let at = |x: f64| shot_of(&design, key, x);
+        let [near, far] = [1.0, 2.0].map(|n| [at(value - n * step), at(value + n * step)]);
+        for (output, found) in outputs.iter().zip(&s.outputs) {
+            let slope =
+                |[low, high]: &[Record; 2], width: f64| (output.of(high).unwrap() - output.of(low).unwrap()) / width;
+            let (near, far) = (slope(&near, 2.0 * step), slope(&far, 4.0 * step));
+            let (hand, open) = ((4.0 * near - far) / 3.0, (near - far).abs() / 3.0 + found.noise / step);
+            let own = of(&s, &output.name, key);
+            assert!(
+                (own.derivative - hand).abs() <= own.error + open,
+                "{} to {key}: {own:?}, by hand {hand:e}",
+                output.name
+            );
+        }
+    }
+}
+
+#[test]
+fn outputs_of_an_assembly_are_chosen_by_name_or_group() {
+    let design = stapler();
+    let names = |chosen: &[&str]| -> Vec<String> {
+        let chosen = assembly_outputs(&design, chosen).unwrap().unwrap();
+        chosen.into_iter().map(|own| own.name).collect()
+    };
+    assert_eq!(
+        names(&[]),
+        [
+            "speed_before_staple",
+            "speed_after_staple",
+            "staple_depth",
+            "staple_work",
+            "coupling_mass",
+            "exhaust_mass",
+            "foot_mass"
+        ]
+    );
+    assert_eq!(names(&["stop", "peak_bumper_force"]), ["stop", "peak_bumper_force"]);
+    let mut all = names(&["all"]);
+    let count = all.len();
+    all.sort_unstable();
+    all.dedup();
+    assert_eq!(all.len(), count);
+    let refused = assembly_outputs(&design, &["loudness"]).unwrap_err().to_string();
+    assert!(refused.contains("loudness"), "{refused}");
 }
 
 #[test]

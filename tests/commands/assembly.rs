@@ -38,6 +38,59 @@ fn event(result: &serde_json::Value, name: &str) -> Option<f64> {
     found["time"].as_f64().map(|time| 1e3 * time)
 }
 
+/// A vessel of 1 l at 8 bar that empties through 20 mm2. Any time t of it is proportional to V/A: dt/dV = t/V and
+/// dt/dA = -t/A.
+#[test]
+fn the_sensitivities_of_a_vessel_are_those_of_its_closed_form() {
+    let folder = folder("assembly/sensitivity");
+    let text = "[cycle]\nassembly = { name = \"vessel\", schema = 1 }\n\
+                gas = { constant = \"287.05 J/(kg K)\", ratio = 1.4 }\nend = \"0.4 s\"\n\
+                [cycle.reservoir]\natmosphere = { pressure = \"101.325 kPa\", temperature = \"20 degC\" }\n\
+                [cycle.volume.vessel]\ndead = { value = \"1 l\", range = \"0.5 .. 2 l\" }\npressure = \"800 kPa\"\n\
+                [cycle.passage.valve]\nbetween = [\"vessel\", \"atmosphere\"]\n\
+                area = { value = \"20 mm2\", range = \"10 .. 40 mm2\" }\n\
+                [cycle.opening.valve]\npassage = \"valve\"\narea = \"20 mm2\"\n\
+                [cycle.event]\nempty = { becomes = \"vessel.pressure <= 300 kPa\" }\n";
+    fs::write(folder.join("vessel.toml"), text).unwrap();
+    let arguments = ["cycle", "vessel.toml", "--sensitivity", "--outputs", "empty,masses"];
+    let result = json(&nailnoise(&folder, &[&arguments[..], &["--json"]].concat()));
+    assert_eq!(result["schema"], "nailnoise-sensitivity/1");
+    assert_eq!([&result["tool"], &result["assembly"]], ["vessel", "vessel"]);
+    let empty = &result["outputs"][0];
+    assert_eq!([&empty["name"], &empty["unit"]], ["empty", "s"]);
+    let time = empty["value"].as_f64().unwrap();
+    assert!((time / 0.189_309_726_663_923_9 - 1.0).abs() < 1e-7, "{time} s");
+    for (key, exact) in [
+        ("cycle.volume.vessel.dead", time / 1e-3),
+        ("cycle.passage.valve.area", -time / 20e-6),
+    ] {
+        let mut ranking = empty["ranking"].as_array().unwrap().iter();
+        let found = ranking.find(|own| own["key"] == key).unwrap();
+        let derivative = found["derivative"].as_f64().unwrap();
+        assert!(
+            (derivative / exact - 1.0).abs() < 1e-5,
+            "{key}: {derivative} instead of {exact}"
+        );
+    }
+    let table = fs::read_to_string(folder.join("out/vessel/sensitivity.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 2 * 2, "{table}");
+    let printed = String::from_utf8(nailnoise(&folder, &arguments).stdout).unwrap();
+    for word in ["sensitivity to 2 parameters", "empty =", "valve_mass ="] {
+        assert!(printed.contains(word), "{word}\n{printed}");
+    }
+    let unknown = nailnoise(
+        &folder,
+        &[
+            "cycle",
+            "vessel.toml",
+            "--sensitivity",
+            "--parameters",
+            "cycle.volume.vesel.dead",
+        ],
+    );
+    assert_eq!(unknown.status.code(), Some(2));
+}
+
 #[test]
 fn every_step_of_the_page_runs_and_the_tacker_drives() {
     let folder = tools("page");

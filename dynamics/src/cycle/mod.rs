@@ -5,7 +5,7 @@
 //! | states, constants and kinematics | `state`, `system`, `start` |
 //! | physics | `gas` (restrictions), `flows`, `forces` (springs, contacts), `wood`, `rates` (right-hand side) |
 //! | contacts and passages that open and close | `mode`, `switching`, `marks` (events), `history` (delays) |
-//! | integration | `integrate`, `equations`, `block_lu`, `tolerances`, `locate`, `real`, `coupled` |
+//! | integration | `integrate`, `equations`, `block_lu`, `tolerances`, `locate`, `coupled` |
 //! | results | `recorder`, `balance` (conservation), `summary` |
 
 mod balance;
@@ -58,7 +58,7 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
 ///
 /// # Errors
 /// The errors of [`simulate`], [`CycleError::Coupling`], and those of the structure.
-pub fn simulate_on<W: Workpiece>(
+pub fn simulate_on<W: Workpiece<Error: From<CycleError>>>(
     parameters: &Parameters,
     settings: &Settings,
     wood: &mut W,

@@ -6,30 +6,8 @@
 
 use super::state::*;
 use crate::WoodMotion;
+use crate::coupling::Cubic;
 use nailnoise_penetration::Real;
-
-/// A cubic through position and velocity at both ends of a window.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Cubic([f64; 4]);
-
-impl Cubic {
-    /// w(s) = w_0 + v_0 s + (3 D - 2 v_0 - v_1) s^2/h + (v_0 + v_1 - 2 D) s^3/h^2 with D = (w_1 - w_0)/h.
-    fn new(start: [f64; 2], end: [f64; 2], h: f64) -> Self {
-        let mean = (end[0] - start[0]) / h;
-        Self([
-            start[0],
-            start[1],
-            (3.0 * mean - 2.0 * start[1] - end[1]) / h,
-            (start[1] + end[1] - 2.0 * mean) / (h * h),
-        ])
-    }
-
-    #[inline]
-    fn at<S: Real>(&self, clock: S) -> (S, S) {
-        let c = &self.0;
-        (clock.polynomial(c), clock.polynomial(&[c[1], 2.0 * c[2], 3.0 * c[3]]))
-    }
-}
 
 /// The wood over one window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,27 +82,11 @@ impl DrivenWood {
     /// Position, velocity and acceleration under the nose.
     pub(crate) fn seat_at(&self, clock: f64) -> [f64; 3] {
         let (position, velocity) = self.seat.at(clock);
-        let c = &self.seat.0;
-        [position, velocity, 2.0 * c[2] + 6.0 * c[3] * clock]
+        [position, velocity, self.seat.acceleration(clock)]
     }
 
     /// Force of the support.
     pub(crate) fn support_at(&self, clock: f64) -> f64 {
         self.support[0] + (self.support[1] - self.support[0]) * (clock / self.length)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cubic_meets_both_ends() {
-        let (start, end, h) = ([1.0, -2.0], [1.5, 3.0], 0.25);
-        let cubic = Cubic::new(start, end, h);
-        for (clock, [position, velocity]) in [(0.0, start), (h, end)] {
-            let found = cubic.at(clock);
-            assert!((found.0 - position).abs() < 1e-14 && (found.1 - velocity).abs() < 1e-13);
-        }
     }
 }

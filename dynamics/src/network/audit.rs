@@ -72,7 +72,7 @@ impl Plan {
             stock.elastic += contact.energy(contact.overlap(w.travel(contact.pair), 0.0).0);
         }
         for spring in &self.springs {
-            if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
+            if !spring.carries && spring.switch.is_none_or(|switch| mode.is_on(switch)) {
                 stock.elastic += spring.energy(w.travel(spring.pair));
             }
         }
@@ -134,7 +134,7 @@ impl Plan {
         places.into_iter().map(|place| y[place]).sum()
     }
 
-    /// Work of motors, tabulated forces and jets, minus dissipation.
+    /// Work of motors, tabulated forces and jets, minus dissipation and the work on an external workpiece.
     fn work_less_losses(&self, y: &[f64]) -> f64 {
         let driven = self
             .forces
@@ -142,7 +142,7 @@ impl Plan {
             .filter_map(|f| f.work)
             .chain(self.motors.iter().map(|m| m.work));
         let losing = |name: &str| {
-            let lost = ["dashpot.", "friction.", "penetration.", "guide."];
+            let lost = ["dashpot.", "friction.", "penetration.", "guide.", "coupling."];
             if lost.iter().any(|prefix| name.starts_with(prefix)) {
                 1.0
             } else {
@@ -230,9 +230,9 @@ impl Audit {
         after: (&Mode, &[f64]),
         w: &mut Workspace,
     ) {
-        plan.instant(before.1, w);
+        plan.instant(before.1, before.0, w);
         let old = plan.stock(before.1, before.0, w);
-        plan.instant(after.1, w);
+        plan.instant(after.1, after.0, w);
         let new = plan.stock(after.1, after.0, w);
         let lost = old.kinetic + old.elastic - new.kinetic - new.elastic;
         self.outer_jump += old.outer - new.outer;

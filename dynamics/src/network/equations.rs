@@ -80,6 +80,14 @@ impl<'p> Equations<'p> {
         [first, second]
     }
 
+    /// y' at a state.
+    pub(crate) fn rates(&self, t: f64, y: &[f64]) -> Vec<f64> {
+        let mut rate = vec![0.0; y.len()];
+        let Inside { mode, workspace, .. } = &mut *self.inside.borrow_mut();
+        self.plan.rates(t, y, mode, workspace, &mut rate);
+        rate
+    }
+
     fn size(&self) -> usize {
         self.plan.size()
     }

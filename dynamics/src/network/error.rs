@@ -114,6 +114,27 @@ pub enum RunError {
         /// Time \[s\].
         time: f64,
     },
+    /// A body cannot be replaced by an external structure.
+    #[error("the body \"{body}\" {reason}; change it, or set support.coupling = \"one-way\"")]
+    Workpiece {
+        /// Name of the body.
+        body: String,
+        /// What prevents it.
+        reason: &'static str,
+    },
+    /// The forces of the assembly and of an external workpiece do not agree.
+    #[error(
+        "at {time} s the forces of tool and workpiece differ by {mismatch} N, more than {limit} N, in every trial; set \
+         a smaller analysis.time_step, or couple one way"
+    )]
+    Coupling {
+        /// Time \[s\].
+        time: f64,
+        /// Difference of the forces \[N\].
+        mismatch: f64,
+        /// Largest difference allowed \[N\].
+        limit: f64,
+    },
     /// The integration could not continue.
     #[error(
         "the integration stopped at {time} s: {cause}; a tolerance ten times smaller or larger often passes the place; \

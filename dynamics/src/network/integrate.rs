@@ -11,6 +11,7 @@ use diffsol::{
 
 use super::assembly::{Action, Family, Word};
 use super::audit::Audit;
+use super::drive::Drive;
 use super::equations::Equations;
 use super::error::RunError;
 use super::events::Events;
@@ -26,8 +27,8 @@ use super::signals::Signals;
 use super::switching::Slots;
 use super::tolerances::tolerances;
 use super::watch::Watch;
-use crate::Method;
 use crate::cycle::locate;
+use crate::{Method, WoodMotion};
 
 /// Number of points per step, including its end, at which conditions are checked.
 const POINTS: usize = 2;
@@ -41,27 +42,37 @@ const VANISHED: f64 = 1e-3;
 /// Compression beyond its law, as a fraction of it, that a spring may have due to the overlap of its stops.
 const SPRING_SLACK: f64 = 1e-9;
 
-type Problem<'p> = OdeSolverProblem<Equations<'p>>;
+pub(crate) type Problem<'p> = OdeSolverProblem<Equations<'p>>;
+
+/// Part of a window that need not be integrated, because the remainder after an event may be too short for a step
+/// \[s\].
+const SHORTEST: f64 = 1e-12;
+/// Number of steps per window of a coupled run after which it is abandoned.
+const WINDOW_LIMIT: f64 = 100.0;
 
 /// A run in progress.
-struct Run<'p> {
-    plan: &'p Plan,
+pub(crate) struct Run<'p> {
+    pub(crate) plan: &'p Plan,
     numerics: &'p Numerics,
     slots: &'p Slots,
-    mode: Mode,
-    signals: Signals,
-    t: f64,
-    y: Vec<f64>,
-    end: f64,
+    pub(crate) mode: Mode,
+    pub(crate) signals: Signals,
+    pub(crate) t: f64,
+    pub(crate) y: Vec<f64>,
+    /// End of the current window of a coupled run.
+    window: Option<f64>,
+    /// Whether the step is accepted or only a trial.
+    recording: bool,
+    pub(crate) end: f64,
     /// Whether the record ends at an event that it must not pass.
-    cut: bool,
+    pub(crate) cut: bool,
     /// Time of the event that the finish waits for, once known.
     finish_after: Option<f64>,
-    w: Workspace,
+    pub(crate) w: Workspace,
     events: Events,
-    watch: Watch,
-    armed: Vec<bool>,
-    chatter: Vec<(f64, usize)>,
+    pub(crate) watch: Watch,
+    pub(crate) armed: Vec<bool>,
+    pub(crate) chatter: Vec<(f64, usize)>,
     recorder: Recorder,
     audit: Audit,
     log: Vec<LogEntry>,
@@ -90,16 +101,8 @@ struct Stretch {
 /// Integrates a compiled assembly.
 pub(crate) fn integrate(plan: &Plan, numerics: &Numerics) -> Result<Record, RunError> {
     let slots = Slots::new(plan)?;
-    let mut run = Run::new(plan, numerics, &slots)?;
-    let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
-        .rtol(0.0)
-        .atol(tolerances(plan, numerics.relative_tolerance))
-        .build_from_eqn(Equations::new(plan, run.mode.clone()))
-        .map_err(|cause| run.failure(&cause))?;
-    // No limit, because failures are counted over a complete segment; STEP_LIMIT and the smallest step end a hopeless
-    // run.
-    problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
-    problem.ode_options.min_timestep = 1e-16;
+    let mut run = Run::new(plan, numerics, &slots, None)?;
+    let problem = run.problem()?;
     while run.t < run.end {
         run.segment(&problem)?;
     }
@@ -107,8 +110,18 @@ pub(crate) fn integrate(plan: &Plan, numerics: &Numerics) -> Result<Record, RunE
 }
 
 impl<'p> Run<'p> {
-    fn new(plan: &'p Plan, numerics: &'p Numerics, slots: &'p Slots) -> Result<Self, RunError> {
-        let origin = plan.start()?;
+    /// A run before its start, on its own workpiece or on an external one at rest.
+    pub(crate) fn new(
+        plan: &'p Plan,
+        numerics: &'p Numerics,
+        slots: &'p Slots,
+        rest: Option<&WoodMotion>,
+    ) -> Result<Self, RunError> {
+        let mut origin = plan.start()?;
+        if let (Some(driven), Some(rest)) = (&plan.driven, rest) {
+            origin.mode.wood = Some(Drive::at_rest(rest, 1.0));
+            plan.start_clock(driven, &mut origin.y);
+        }
         let mut w = Workspace::new(plan);
         let mut events = Events::new(plan)?;
         let need = slots.need.max(events.need).max(Need::Instant);
@@ -149,6 +162,8 @@ impl<'p> Run<'p> {
             mode,
             signals: origin.signals,
             t: 0.0,
+            window: None,
+            recording: true,
             end: plan.assembly.end,
             cut: false,
             finish_after: None,
@@ -173,6 +188,37 @@ impl<'p> Run<'p> {
         })
     }
 
+    pub(crate) fn problem(&self) -> Result<Problem<'p>, RunError> {
+        let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
+            .rtol(0.0)
+            .atol(tolerances(self.plan, self.numerics.relative_tolerance))
+            .build_from_eqn(Equations::new(self.plan, self.mode.clone()))
+            .map_err(|cause| self.failure(&cause))?;
+        // No limit, because failures are counted over a complete segment; STEP_LIMIT and the smallest step end a
+        // hopeless run.
+        problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
+        problem.ode_options.min_timestep = 1e-16;
+        Ok(problem)
+    }
+
+    /// Advances to a given time, for the record or as a trial.
+    pub(crate) fn advance(&mut self, problem: &Problem<'p>, to: f64, recording: bool) -> Result<(), RunError> {
+        (self.window, self.recording) = (Some(to), recording);
+        while !self.is_through() {
+            self.segment(problem)?;
+        }
+        self.t = to;
+        Ok(())
+    }
+
+    /// Whether the run, or its current window, is complete.
+    fn is_through(&self) -> bool {
+        match self.window {
+            Some(end) => end - self.t <= SHORTEST,
+            None => self.t >= self.end,
+        }
+    }
+
     fn failure(&self, cause: &diffsol::DiffsolError) -> RunError {
         RunError::Integration {
             time: self.t,
@@ -182,27 +228,38 @@ impl<'p> Run<'p> {
 
     /// Next time at which the smooth problem must end.
     fn stop_time(&self) -> f64 {
-        self.end.min(self.signals.next(self.t))
+        self.window.unwrap_or(self.end).min(self.signals.next(self.t))
     }
 
     /// Applies all changes of gates that are due.
     fn switch_gates(&mut self) -> Result<(), RunError> {
-        self.plan.instant(&self.y, &mut self.w);
+        self.plan.instant(&self.y, &self.mode, &mut self.w);
         loop {
             let before = self.mode.clone();
             let Some(word) = self.signals.due(self.plan, self.t, &mut self.mode, &self.w)? else {
                 return Ok(());
             };
-            let name = self.plan.assembly.name_of(word.block);
-            let states = (&before, &self.y[..]);
-            self.audit
-                .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
+            if self.recording {
+                let name = self.plan.assembly.name_of(word.block);
+                let states = (&before, &self.y[..]);
+                self.audit
+                    .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
+            }
             self.tell(word, self.t);
         }
     }
 
     /// Logs a word at a given time and passes it to triggers and events; `y` is the state there.
     fn tell(&mut self, word: Word, time: f64) {
+        let plan = self.plan;
+        if self.recording {
+            self.note(word, time);
+        }
+        self.signals.hear(plan, time, &mut self.mode, word);
+    }
+
+    /// Logs a word and passes it to the events.
+    fn note(&mut self, word: Word, time: f64) {
         let plan = self.plan;
         let place = self.log.partition_point(|entry| entry.time <= time);
         let entry = LogEntry {
@@ -214,7 +271,6 @@ impl<'p> Run<'p> {
         self.log.insert(place, entry);
         plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
         self.events.hear(word, time, plan, &self.mode, &self.w);
-        self.signals.hear(plan, time, &mut self.mode, word);
     }
 
     /// Step size for a first-order start, from its error h^2 |y''|/3.
@@ -228,11 +284,18 @@ impl<'p> Run<'p> {
     fn segment(&mut self, problem: &Problem<'p>) -> Result<(), RunError> {
         self.switch_gates()?;
         problem.eqn.set_mode(&self.mode);
-        let [first, second] = problem.eqn.derivatives(self.t, &self.y);
+        // A window is short enough to be tried in one step by a method that needs no starting procedure.
+        let (first, step, method) = match self.window {
+            Some(end) => (problem.eqn.rates(self.t, &self.y), end - self.t, Method::Esdirk34),
+            None => {
+                let [first, second] = problem.eqn.derivatives(self.t, &self.y);
+                (first, self.first_step(problem, &second), self.numerics.method)
+            }
+        };
         let empty = || NalgebraVec::<f64>::zeros(0, Default::default());
         let common = StateCommon {
             y: NalgebraVec::from_vec(self.y.clone(), Default::default()),
-            h: self.first_step(problem, &second),
+            h: step,
             dy: NalgebraVec::from_vec(first, Default::default()),
             g: empty(),
             dg: empty(),
@@ -242,7 +305,7 @@ impl<'p> Run<'p> {
             dsg: empty(),
             t: self.t,
         };
-        match self.numerics.method {
+        match method {
             Method::Bdf => {
                 let solver = problem.bdf_solver::<LedgerLu>(OdeSolverState::new_from_common(common));
                 self.follow(solver.map_err(|cause| self.failure(&cause))?)
@@ -266,7 +329,11 @@ impl<'p> Run<'p> {
         self.plan
             .observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(self.plan, &self.mode, &self.w, &mut self.margin);
-        let limit = STEP_LIMIT * (self.plan.assembly.end.ceil().max(1.0) as usize);
+        let windows = match (self.window, self.numerics.sample_interval) {
+            (Some(_), Some(interval)) => self.plan.assembly.end / interval,
+            _ => 0.0,
+        };
+        let limit = STEP_LIMIT * (self.plan.assembly.end.ceil().max(1.0) as usize) + (WINDOW_LIMIT * windows) as usize;
         loop {
             let reason = solver.step().map_err(|cause| self.failure(&cause))?;
             self.work.steps += 1;
@@ -288,10 +355,12 @@ impl<'p> Run<'p> {
                 Ok(())
             };
             let stretch = self.stretch(from, to, &mut at)?;
-            self.note_levels(from, stretch.used, &mut at)?;
+            if self.recording {
+                self.note_levels(from, stretch.used, &mut at)?;
+            }
             self.note_changes(from, stretch.used, &mut at)?;
             let t_end = self.points[stretch.used - 1].0;
-            while self.recorder.next_time() < t_end {
+            while self.recording && self.recorder.next_time() < t_end {
                 self.fresh = false;
                 let time = self.recorder.next_time();
                 at(time, &mut self.y)?;
@@ -300,14 +369,16 @@ impl<'p> Run<'p> {
             }
             self.t = t_end;
             self.y.copy_from_slice(&self.points[stretch.used - 1].1);
-            self.accept()?;
+            if self.recording {
+                self.accept()?;
+            }
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
             let due = stopped || self.signals.is_due(self.t);
             if let Some(slot) = stretch.event {
                 self.cross(slot)?;
             }
-            if stretch.event.is_some() || due || self.t >= self.end {
+            if stretch.event.is_some() || due || self.is_through() {
                 let statistics = solver.get_statistics();
                 self.work.rejected += statistics.number_of_error_test_failures;
                 self.work.newton_failures += statistics.number_of_nonlinear_solver_fails;
@@ -450,7 +521,7 @@ impl<'p> Run<'p> {
                 let (watch, mode, w, y) = (&self.watch, &self.mode, &mut self.w, &mut self.y);
                 let height = |t: f64| {
                     at(t, y)?;
-                    plan.instant(y, w);
+                    plan.instant(y, mode, w);
                     Ok(watch.height(i, t, plan, mode, w))
                 };
                 let time = locate(left, t, before, after, height)?;
@@ -468,7 +539,7 @@ impl<'p> Run<'p> {
     /// Updates what depends on an accepted state: balances, peaks, limits of the model, the end of the record.
     fn accept(&mut self) -> Result<(), RunError> {
         if !self.fresh {
-            self.plan.instant(&self.y, &mut self.w);
+            self.plan.instant(&self.y, &self.mode, &mut self.w);
         }
         self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
         self.guard()?;
@@ -569,17 +640,20 @@ impl<'p> Run<'p> {
             });
         }
         let before = (self.mode.clone(), self.y.clone());
-        plan.instant(&self.y, &mut self.w);
+        plan.instant(&self.y, &self.mode, &mut self.w);
         let word = described.cross(plan, &mut self.mode, &mut self.y, &self.w);
-        self.audit.cross(
-            plan,
-            described.name(plan),
-            (&before.0, &before.1),
-            (&self.mode, &self.y),
-            &mut self.w,
-        );
+        if self.recording {
+            self.audit.cross(
+                plan,
+                described.name(plan),
+                (&before.0, &before.1),
+                (&self.mode, &self.y),
+                &mut self.w,
+            );
+            self.work.events += 1;
+        }
         if let Some(word) = word {
-            if word.action == Action::Struck && word.block.family == Family::Fastener {
+            if self.recording && word.action == Action::Struck && word.block.family == Family::Fastener {
                 let driver = 2 * plan.fasteners[word.block.index].stroke.on + 1;
                 self.strikes.push(Strike {
                     fastener: plan.assembly.fasteners[word.block.index].name.clone(),
@@ -590,7 +664,6 @@ impl<'p> Run<'p> {
             }
             self.tell(word, self.t);
         }
-        self.work.events += 1;
         plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
         for (other, armed) in self.armed.iter_mut().enumerate() {
@@ -600,7 +673,7 @@ impl<'p> Run<'p> {
     }
 
     /// Ends the record.
-    fn finish(mut self, problem: &Problem<'p>) -> Result<Record, RunError> {
+    pub(crate) fn finish(mut self, problem: &Problem<'p>) -> Result<Record, RunError> {
         let plan = self.plan;
         // If the end is on the grid, the last sample is exactly at the end.
         if !self.cut && self.recorder.next_time() <= self.t * (1.0 + 4.0 * f64::EPSILON) {

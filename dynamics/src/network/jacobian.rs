@@ -23,6 +23,18 @@ pub(crate) struct Jacobian {
     /// Derivatives of each volume's pressure: column and value.
     pressure: Vec<Vec<(usize, f64)>>,
     temperature: Vec<[(usize, f64); 2]>,
+    /// Velocities and accelerations of a workpiece that moves as prescribed.
+    wood: Option<Prescribed>,
+}
+
+/// Motion of a workpiece over its clock, which has the column of the body's position.
+#[derive(Debug, Clone, Copy)]
+struct Prescribed {
+    body: usize,
+    grip: usize,
+    /// Of surface and grip.
+    velocity: [f64; 2],
+    acceleration: [f64; 2],
 }
 
 impl Jacobian {
@@ -32,6 +44,7 @@ impl Jacobian {
             rows: plan.size(),
             pressure: vec![Vec::new(); plan.volumes.len()],
             temperature: vec![[(0, 0.0); 2]; plan.volumes.len()],
+            wood: None,
         }
     }
 
@@ -61,10 +74,24 @@ impl Jacobian {
     #[inline]
     fn add_pair(&mut self, row: usize, pair: Pair, by_travel: f64, by_speed: f64, ground: usize) {
         for (body, sign) in [(pair.on, 1.0), (pair.against, -1.0)] {
-            if body != ground {
+            if let Some((column, velocity, acceleration)) = self.prescribed(body) {
+                self.add(row, column, sign * (by_travel * velocity + by_speed * acceleration));
+            } else if body != ground {
                 self.add(row, 2 * body, sign * by_travel);
                 self.add(row, 2 * body + 1, sign * by_speed);
             }
+        }
+    }
+
+    /// Column, velocity and acceleration of a place that moves as prescribed; none for others.
+    #[inline]
+    fn prescribed(&self, place: usize) -> Option<(usize, f64, f64)> {
+        let wood = self.wood.as_ref()?;
+        let of = |i: usize| (2 * wood.body, wood.velocity[i], wood.acceleration[i]);
+        if place == wood.body {
+            Some(of(0))
+        } else {
+            (place == wood.grip).then(|| of(1))
         }
     }
 }
@@ -82,6 +109,14 @@ fn targets(plan: &Plan, mode: &Mode, pair: Pair) -> [Target; 2] {
         if body == plan.ground() {
             Target {
                 row: plan.ground_impulse,
+                factor: sign,
+            }
+        } else if let Some(driven) = plan.driven
+            && (body == driven.body || body == plan.grip())
+        {
+            // Forces, from which `wood_rows` makes the rows.
+            Target {
+                row: if body == driven.body { 2 * body + 1 } else { driven.work },
                 factor: sign,
             }
         } else {
@@ -108,10 +143,10 @@ fn seeded(x: f64, v: f64) -> [Dual<2>; 2] {
 }
 
 /// Contribution of a block between two bodies.
-struct Element {
-    pair: Pair,
-    /// Force on `on`, down.
-    force: Dual<2>,
+pub(crate) struct Element {
+    pub(crate) pair: Pair,
+    /// Force on `on`, down, over travel and speed.
+    pub(crate) force: Dual<2>,
     /// Integral whose rate is a power of the block, and that power.
     power: Option<(usize, Dual<2>)>,
 }
@@ -120,7 +155,18 @@ impl Plan {
     /// Fills the Jacobian at a state.
     pub(crate) fn jacobian(&self, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace, j: &mut Jacobian) {
         j.values.fill(0.0);
-        self.instant(y, w);
+        self.instant(y, mode, w);
+        j.wood = self.driven.map(|driven| {
+            self.flows(t, mode, w, false);
+            self.forces(t, mode, w);
+            let places = [driven.body, self.grip()];
+            Prescribed {
+                body: driven.body,
+                grip: self.grip(),
+                velocity: places.map(|place| w.velocity[place]),
+                acceleration: places.map(|place| w.acceleration[place]),
+            }
+        });
         for body in 0..self.bodies.len() {
             j.add(2 * body, 2 * body + 1, 1.0);
         }
@@ -128,8 +174,14 @@ impl Plan {
         self.face_elements(mode, w, j);
         self.passage_elements(t, mode, w, j);
         self.wall_elements(w, j);
-        self.pair_elements(t, mode, w, j);
+        self.pair_elements(mode, w, &mut |element| self.scatter(mode, element, j));
+        for imposed in &self.forces {
+            if let (ForceLaw::Table(points), Some(work)) = (&imposed.law, imposed.work) {
+                j.add_pair(work, imposed.pair, 0.0, interpolate(points, t).0, self.ground());
+            }
+        }
         self.isothermal_rows(j);
+        self.wood_rows(w, j);
     }
 
     /// Derivatives of pressures and temperatures.
@@ -147,7 +199,9 @@ impl Plan {
             if let Some(i) = face.volume {
                 let slope = -w.pressure[i] * face.area / w.volume[i];
                 for (body, sign) in [(face.pair.on, 1.0), (face.pair.against, -1.0)] {
-                    if body != self.ground() {
+                    if let Some((column, velocity, _)) = j.prescribed(body) {
+                        j.pressure[i].push((column, sign * slope * velocity));
+                    } else if body != self.ground() {
                         j.pressure[i].push((2 * body, sign * slope));
                     }
                 }
@@ -303,38 +357,49 @@ impl Plan {
         }
     }
 
-    fn pair_elements(&self, t: f64, mode: &Mode, w: &Workspace, j: &mut Jacobian) {
+    /// The rows of a driven body, whose motion is prescribed, and of the work on it.
+    fn wood_rows(&self, w: &Workspace, j: &mut Jacobian) {
+        let (Some(driven), Some(wood)) = (self.driven, j.wood) else {
+            return;
+        };
+        let [seat, grip] = [2 * driven.body + 1, driven.work];
+        for column in 0..self.states() {
+            let at = column * j.rows;
+            let [on_seat, on_grip] = [seat, grip].map(|row| j.values[at + row]);
+            j.values[at + seat] = 0.0;
+            j.values[at + self.ground_impulse] += on_seat + on_grip;
+            j.values[at + grip] = on_seat * wood.velocity[0] + on_grip * wood.velocity[1];
+        }
+        let forces = [driven.body, self.grip()].map(|place| w.force[place]);
+        let power = forces[0] * wood.acceleration[0] + forces[1] * wood.acceleration[1];
+        j.add(driven.work, 2 * driven.body, power);
+    }
+
+    /// Passes the forces of all blocks between two bodies to `visit`, with their derivatives.
+    pub(crate) fn pair_elements(&self, mode: &Mode, w: &Workspace, visit: &mut impl FnMut(&Element)) {
         for contact in self.contacts.iter().filter(|c| mode.is_on(c.switch)) {
             let [x, v] = seeded(w.travel(contact.pair), w.speed(contact.pair));
             let (u, rate) = contact.overlap(x, v);
             let push = contact.push(u, rate);
             let power = contact.loss.map(|row| (row, push.dashpot * rate));
             let force = push.force * -contact.side;
-            self.scatter(
-                mode,
-                &Element {
-                    pair: contact.pair,
-                    force,
-                    power,
-                },
-                j,
-            );
+            visit(&Element {
+                pair: contact.pair,
+                force,
+                power,
+            });
         }
-        for spring in &self.springs {
+        for spring in self.springs.iter().filter(|spring| !spring.carries) {
             if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
                 let [x, v] = seeded(w.travel(spring.pair), w.speed(spring.pair));
                 let found = spring.force(x, v);
                 let power = spring.loss.map(|row| (row, -found.dashpot * v));
                 let force = found.force;
-                self.scatter(
-                    mode,
-                    &Element {
-                        pair: spring.pair,
-                        force,
-                        power,
-                    },
-                    j,
-                );
+                visit(&Element {
+                    pair: spring.pair,
+                    force,
+                    power,
+                });
             }
         }
         for friction in &self.frictions {
@@ -342,57 +407,40 @@ impl Plan {
             let found = friction.force(mode, x, v);
             let power = Some((friction.loss, found.dashpot * v));
             let (force, pair) = (found.force, friction.pair);
-            self.scatter(
-                mode,
-                &Element {
-                    pair,
-                    force: -force,
-                    power,
-                },
-                j,
-            );
-        }
-        for imposed in &self.forces {
-            if let (ForceLaw::Table(points), Some(work)) = (&imposed.law, imposed.work) {
-                j.add_pair(work, imposed.pair, 0.0, interpolate(points, t).0, self.ground());
-            }
+            visit(&Element {
+                pair,
+                force: -force,
+                power,
+            });
         }
         for motor in self.motors.iter().filter(|m| mode.is_on(m.switch)) {
             let [_, v] = seeded(0.0, w.speed(motor.pair));
             let force = motor.force(v);
             let power = Some((motor.work, force * v));
             let pair = motor.pair;
-            self.scatter(mode, &Element { pair, force, power }, j);
+            visit(&Element { pair, force, power });
         }
         for hold in self.holds.iter().filter(|h| mode.is_on(h.switch)) {
             let [x, v] = seeded(w.travel(hold.pair), w.speed(hold.pair));
             let found = hold.force(mode.memory[hold.place], x, v);
             let power = hold.loss.map(|row| (row, -found.dashpot * v));
             let force = found.force;
-            self.scatter(
-                mode,
-                &Element {
-                    pair: hold.pair,
-                    force,
-                    power,
-                },
-                j,
-            );
+            visit(&Element {
+                pair: hold.pair,
+                force,
+                power,
+            });
         }
         for fastener in &self.fasteners {
             let [x, v] = seeded(w.travel(fastener.work), w.speed(fastener.work));
             let force = fastener.force(mode, x - fastener.tip_at);
             let power = Some((fastener.penetration, force * v));
             let pair = fastener.work;
-            self.scatter(
-                mode,
-                &Element {
-                    pair,
-                    force: -force,
-                    power,
-                },
-                j,
-            );
+            visit(&Element {
+                pair,
+                force: -force,
+                power,
+            });
             if let Some(row) = fastener.guide_loss
                 && mode.switches[fastener.head] == head::ATTACHED
             {
@@ -400,15 +448,11 @@ impl Plan {
                 let force = fastener.guide(v);
                 let power = Some((row, force * v));
                 let pair = fastener.guide;
-                self.scatter(
-                    mode,
-                    &Element {
-                        pair,
-                        force: -force,
-                        power,
-                    },
-                    j,
-                );
+                visit(&Element {
+                    pair,
+                    force: -force,
+                    power,
+                });
             }
         }
     }
@@ -434,10 +478,13 @@ mod tests {
     use nailnoise_documents::Document;
 
     use super::*;
-    use crate::network::{AssemblyText, KeyValue};
+    use crate::WoodMotion;
+    use crate::coupling::Step;
+    use crate::network::drive::Drive;
+    use crate::network::{Assembly, AssemblyText, KeyValue};
 
     /// A plan with one block of each kind and law.
-    fn everything() -> Plan {
+    fn everything() -> Assembly {
         let document = Document::new(
             Path::new("everything.toml"),
             include_str!("../../tests/network/everything.toml"),
@@ -449,33 +496,67 @@ mod tests {
             .unwrap_or_else(|error| panic!("{error}; {}", error.help()));
         let mut assembly = resolved.assembly;
         assembly.ledger = crate::network::assembly::Ledger::Full;
-        Plan::new(&assembly).unwrap()
+        assembly
     }
 
-    #[test]
-    fn every_kind_of_block_has_the_derivatives_of_differences() {
-        let plan = everything();
+    /// A state and a mode in which every block acts.
+    fn acting(plan: &Plan) -> (Vec<f64>, Mode) {
         let origin = plan.start().unwrap();
         let mut mode = origin.mode;
-        for contact in &plan.contacts {
+        for contact in plan.contacts.iter().filter(|contact| !contact.carries) {
             mode.switches[contact.switch] = 1;
         }
         let fastener = &plan.fasteners[0];
         mode.switches[fastener.head] = head::ATTACHED;
         mode.switches[fastener.depth] = crate::network::mode::depth::LOADING;
+        (origin.y, mode)
+    }
+
+    #[test]
+    fn every_kind_of_block_has_the_derivatives_of_differences() {
+        let plan = Plan::new(&everything()).unwrap();
+        let (y, mode) = acting(&plan);
+        assert_differences(&plan, &y, &mode);
+    }
+
+    #[test]
+    fn a_driven_body_has_the_derivatives_of_differences_over_its_clock() {
+        let assembly = everything();
+        let body = assembly.bodies.iter().position(|body| body.name == "work").unwrap();
+        let (plan, driven) = Plan::driven(&assembly, body).unwrap();
+        let (mut y, mut mode) = acting(&plan);
+        let at = y[2 * body];
+        let motion = |position: f64, velocity: f64| WoodMotion {
+            seat: [at + position, velocity],
+            nail: [at + 1.5 * position, -velocity],
+            support: 0.0,
+        };
+        let step = Step {
+            start: motion(1e-5, 2.0),
+            end: motion(2e-4, 3.0),
+            free: motion(1e-4, 2.0),
+            to: 1e-4,
+        };
+        mode.wood = Some(Drive::new(&step, 1e-4));
+        plan.start_clock(&driven, &mut y);
+        y[2 * body] = 4e-5;
+        assert_differences(&plan, &y, &mode);
+    }
+
+    fn assert_differences(plan: &Plan, origin: &[f64], mode: &Mode) {
         let (n, size) = (plan.states(), plan.size());
-        let (mut w, mut j) = (Workspace::new(&plan), Jacobian::new(&plan));
+        let (mut w, mut j) = (Workspace::new(plan), Jacobian::new(plan));
         let t = 7e-3;
-        plan.jacobian(t, &origin.y, &mode, &mut w, &mut j);
+        plan.jacobian(t, origin, mode, &mut w, &mut j);
         let mut rates = |y: &[f64]| {
             let mut rate = vec![0.0; size];
-            plan.rates(t, y, &mode, &mut w, &mut rate);
+            plan.rates(t, y, mode, &mut w, &mut rate);
             rate
         };
         for column in 0..n {
-            let x = origin.y[column];
+            let x = origin[column];
             let step = if column < plan.energy() { 1e-7 } else { 1e-6 * x };
-            let mut y = origin.y.clone();
+            let mut y = origin.to_vec();
             y[column] = x + step;
             let ahead = rates(&y);
             y[column] = x - step;

@@ -10,10 +10,13 @@
 //! | physics | `kernels`, `rates` (right-hand side), `jacobian` |
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
 //! | integration | `numerics`, `integrate`, `equations`, `linear`, `tolerances` |
+//! | two-way coupling | `drive` and `wood` (a body whose motion is prescribed), `coupled` |
 //! | results | `record`, `resistance` (of the work to a fastener), `audit` (conservation) |
 
 pub mod assembly;
 mod audit;
+mod coupled;
+mod drive;
 mod equations;
 mod error;
 mod events;
@@ -34,6 +37,9 @@ mod switching;
 mod text;
 mod tolerances;
 mod watch;
+mod wood;
+
+use crate::{CouplingWork, Workpiece};
 
 pub use assembly::Assembly;
 pub use error::RunError;
@@ -56,4 +62,27 @@ pub fn simulate(assembly: &Assembly, numerics: &Numerics) -> Result<Record, RunE
     numerics.check(assembly.end)?;
     let plan = plan::Plan::new(assembly)?;
     integrate::integrate(&plan, numerics)
+}
+
+/// Integrates an assembly like [`simulate`] with an external structure in place of one of its bodies, by index. They
+/// are coupled in both directions: the forces of other bodies act on the structure, its motion acts on the assembly,
+/// and both are consistent at every sample.
+///
+/// [`WoodForces::nail`](crate::WoodForces::nail) is the force of the fasteners that enter the body,
+/// [`WoodForces::seat`](crate::WoodForces::seat) the sum of all others. Contacts, springs and friction between the body
+/// and the ground are those of the lumped body and do not act; the first contact, or else the first spring, shows the
+/// force of the structure's support. The entry `coupling.BODY` of the ledger is the work on the structure.
+///
+/// # Errors
+/// The errors of [`simulate`], [`RunError::Workpiece`] for a body that cannot be replaced, [`RunError::Coupling`], and
+/// those of the structure.
+pub fn simulate_on<W: Workpiece<Error: From<RunError>>>(
+    assembly: &Assembly,
+    numerics: &Numerics,
+    body: usize,
+    wood: &mut W,
+) -> Result<(Record, CouplingWork), W::Error> {
+    numerics.check(assembly.end)?;
+    let (plan, driven) = plan::Plan::driven(assembly, body)?;
+    coupled::integrate_on(plan, driven, numerics, wood)
 }

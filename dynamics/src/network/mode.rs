@@ -3,6 +3,7 @@
 //! For a fixed mode, the right-hand side is smooth for any state, so a step may extend beyond an event and be cut back
 //! to it.
 
+use super::drive::Drive;
 use super::plan::Plan;
 
 /// Switches of all blocks, and values to remember.
@@ -12,6 +13,8 @@ pub(crate) struct Mode {
     pub(crate) switches: Vec<u8>,
     /// Travel at which a latch caught; deepest depth and force of a fastener.
     pub(crate) memory: Vec<f64>,
+    /// Motion of a workpiece that an external structure prescribes.
+    pub(crate) wood: Option<Drive>,
 }
 
 /// Switch values of a driver on its fastener's head.
@@ -58,6 +61,7 @@ impl Mode {
         Self {
             switches: vec![0; plan.switches],
             memory,
+            wood: None,
         }
     }
 

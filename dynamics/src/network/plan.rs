@@ -10,6 +10,7 @@ use super::assembly::{
     Assembly, Base, Coefficient, Cone, ContactDamping, ForceLaw, Ledger, Opens, PassageLaw, Push, Space, SpringLaw,
     Stop,
 };
+use super::drive::{Carrier, Driven};
 use super::error::RunError;
 use super::resistance::ShankLaw;
 use crate::cycle::Air;
@@ -164,6 +165,11 @@ pub(crate) struct ContactPlan {
     pub(crate) damping: ContactDamping,
     pub(crate) exponent: f64,
     pub(crate) may_pull: bool,
+    /// Whether it carries a workpiece that an external structure replaces, so that it does not act.
+    pub(crate) carries: bool,
+    /// For a contact with a dashpot on such a workpiece, switches that are on if it was open at the start of the window
+    /// and if it closed in the window; it then stays closed until the end of the window.
+    pub(crate) landing: Option<[usize; 2]>,
     pub(crate) switch: usize,
     pub(crate) loss: Option<usize>,
 }
@@ -181,6 +187,8 @@ pub(crate) struct SpringPlan {
     /// Switch of a spring that only pushes.
     pub(crate) switch: Option<usize>,
     pub(crate) limit: Option<f64>,
+    /// Whether it carries a workpiece that an external structure replaces, so that it does not act.
+    pub(crate) carries: bool,
     pub(crate) loss: Option<usize>,
 }
 
@@ -306,6 +314,8 @@ pub(crate) struct Plan {
     pub(crate) heat: Option<usize>,
     pub(crate) ground_impulse: usize,
     pub(crate) outer_impulse: usize,
+    /// The body that an external structure replaces.
+    pub(crate) driven: Option<Driven>,
     pub(crate) ledger: Vec<LedgerItem>,
     /// Index of the reservoir `atmosphere` among the pressures.
     pub(crate) atmosphere: usize,
@@ -343,6 +353,8 @@ impl Plan {
 /// Allocates positions of integrals, switches and memories.
 struct Compiler<'a> {
     assembly: &'a Assembly,
+    /// Body that an external structure replaces.
+    driven: Option<usize>,
     states: usize,
     ledger: Vec<LedgerItem>,
     switches: usize,
@@ -377,6 +389,11 @@ impl Compiler<'_> {
             on,
             against: self.body(against),
         }
+    }
+
+    /// Whether a block between two bodies carries the driven body.
+    fn carries(&self, on: usize, against: Base) -> bool {
+        self.driven == Some(on) && against == Base::Ground
     }
 
     fn gas(&self, space: Space) -> usize {
@@ -509,9 +526,15 @@ impl Plan {
     /// [`RunError::Passage`] for a series that no kernel supports; [`RunError::SpringLimit`] for a spring whose law
     /// does not extend to a stop.
     pub(crate) fn new(assembly: &Assembly) -> Result<Self, RunError> {
+        Self::compile(assembly, None)
+    }
+
+    /// Compiles an assembly, of which an external structure may replace a body.
+    pub(super) fn compile(assembly: &Assembly, driven: Option<usize>) -> Result<Self, RunError> {
         let full = assembly.ledger == Ledger::Full;
         let mut c = Compiler {
             assembly,
+            driven,
             states: 2 * (assembly.bodies.len() + assembly.volumes.len()),
             ledger: Vec::new(),
             switches: 0,
@@ -554,6 +577,16 @@ impl Plan {
         let triggers = assembly.triggers.iter().map(|_| c.switch()).collect();
         let ground_impulse = c.integral("impulse.ground".to_owned(), "N s");
         let outer_impulse = c.integral("impulse.outer".to_owned(), "N s");
+        let contact = contacts
+            .iter()
+            .position(|contact| contact.carries)
+            .map(Carrier::Contact);
+        let spring = springs.iter().position(|spring| spring.carries).map(Carrier::Spring);
+        let driven = driven.map(|body| Driven {
+            body,
+            shown: contact.or(spring),
+            work: c.integral(format!("coupling.{}", assembly.bodies[body].name), "J"),
+        });
         let bodies = assembly
             .bodies
             .iter()
@@ -592,6 +625,7 @@ impl Plan {
             heat,
             ground_impulse,
             outer_impulse,
+            driven,
             ledger: c.ledger,
             atmosphere: assembly.volumes.len() + atmosphere.unwrap_or(0),
             reach,
@@ -627,10 +661,18 @@ fn contacts(c: &mut Compiler<'_>) -> Vec<ContactPlan> {
         .contacts
         .iter()
         .map(|contact| {
+            let carries = c.carries(contact.on, contact.against);
             let damped = match contact.damping {
-                ContactDamping::Dashpot(d) | ContactDamping::HuntCrossley(d) => d != 0.0,
+                ContactDamping::Dashpot(d) | ContactDamping::HuntCrossley(d) => d != 0.0 && !carries,
             };
+            let on_wood = c
+                .driven
+                .is_some_and(|body| contact.on == body || contact.against == Base::Body(body));
+            // The force of a contact without a dashpot grows from zero.
+            let jumps = matches!(contact.damping, ContactDamping::Dashpot(d) if d != 0.0);
             ContactPlan {
+                carries,
+                landing: (on_wood && jumps && !carries).then(|| [c.switch(), c.switch()]),
                 pair: c.pair(contact.on, contact.against),
                 side: match contact.stop {
                     Stop::Below => 1.0,
@@ -653,19 +695,23 @@ fn springs(c: &mut Compiler<'_>) -> Vec<SpringPlan> {
     assembly
         .springs
         .iter()
-        .map(|spring| SpringPlan {
-            pair: c.pair(spring.on, spring.against),
-            sign: spring.push.sign(),
-            free: spring.free,
-            preload: spring.preload,
-            law: match &spring.law {
-                SpringLaw::Linear(k) => vec![0.0, *k],
-                SpringLaw::Polynomial(coefficients) => coefficients.clone(),
-            },
-            damping: spring.damping,
-            switch: spring.unilateral.then(|| c.switch()),
-            limit: spring.limit,
-            loss: (spring.damping != 0.0).then(|| c.integral(format!("dashpot.{}", spring.name), "J")),
+        .map(|spring| {
+            let carries = c.carries(spring.on, spring.against);
+            SpringPlan {
+                carries,
+                pair: c.pair(spring.on, spring.against),
+                sign: spring.push.sign(),
+                free: spring.free,
+                preload: spring.preload,
+                law: match &spring.law {
+                    SpringLaw::Linear(k) => vec![0.0, *k],
+                    SpringLaw::Polynomial(coefficients) => coefficients.clone(),
+                },
+                damping: spring.damping,
+                switch: (spring.unilateral && !carries).then(|| c.switch()),
+                limit: spring.limit.filter(|_| !carries),
+                loss: (spring.damping != 0.0 && !carries).then(|| c.integral(format!("dashpot.{}", spring.name), "J")),
+            }
         })
         .collect()
 }
@@ -826,7 +872,12 @@ fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
         .map(|f| FastenerPlan {
             work: Pair {
                 on: f.driver,
-                against: f.into,
+                against: if c.driven == Some(f.into) {
+                    // The material that grips the fastener.
+                    assembly.bodies.len() + 1
+                } else {
+                    f.into
+                },
             },
             guide: c.pair(f.driver, f.guide),
             stroke: c.pair(f.driver, assembly.bodies[f.driver].parent),

@@ -224,7 +224,7 @@ impl Plan {
     /// Evaluates a state as far as necessary.
     #[inline]
     pub(crate) fn observe(&self, need: Need, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
-        self.instant(y, w);
+        self.instant(y, mode, w);
         if need >= Need::Flows {
             self.flows(t, mode, w, false);
         }

@@ -1,6 +1,7 @@
 //! The right-hand side: loops over the kinds of blocks, each of which reads from and adds to a common workspace.
 
 use super::assembly::ForceLaw;
+use super::drive::Carrier;
 use super::kernels::{Damped, Ends, Flow};
 use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
@@ -41,13 +42,18 @@ pub(crate) struct Workspace {
     pub(crate) fastener: Vec<[f64; 2]>,
     /// Mass of the gas in each volume.
     pub(crate) mass: Vec<f64>,
+    /// Time since the start of the window, and force of the support, of a workpiece that an external structure moves.
+    pub(crate) clock: f64,
+    pub(crate) support: f64,
     /// Net mass flow and enthalpy flow into each volume.
     inflow: Vec<[f64; 2]>,
 }
 
 impl Workspace {
     pub(crate) fn new(plan: &Plan) -> Self {
-        let (bodies, volumes) = (plan.bodies.len() + 1, plan.volumes.len());
+        // A driven body has three more places: its grip, and surface and grip without their forces.
+        let places = plan.bodies.len() + if plan.driven.is_some() { 4 } else { 1 };
+        let volumes = plan.volumes.len();
         let mut pressure = vec![0.0; volumes];
         let mut temperature = vec![0.0; volumes];
         for reservoir in &plan.assembly.reservoirs {
@@ -60,10 +66,10 @@ impl Workspace {
             between: [0.0; 2],
         };
         Self {
-            position: vec![0.0; bodies],
-            velocity: vec![0.0; bodies],
-            acceleration: vec![0.0; bodies],
-            force: vec![0.0; bodies],
+            position: vec![0.0; places],
+            velocity: vec![0.0; places],
+            acceleration: vec![0.0; places],
+            force: vec![0.0; places],
             outer: 0.0,
             volume: vec![0.0; volumes],
             growth: vec![0.0; volumes],
@@ -81,6 +87,8 @@ impl Workspace {
             motor: vec![0.0; plan.motors.len()],
             fastener: vec![[0.0; 2]; plan.fasteners.len()],
             mass: vec![0.0; volumes],
+            clock: 0.0,
+            support: 0.0,
             inflow: vec![[0.0; 2]; volumes],
         }
     }
@@ -125,11 +133,8 @@ impl Plan {
 
     /// Positions, volumes, pressures and temperatures.
     #[inline]
-    pub(crate) fn instant(&self, y: &[f64], w: &mut Workspace) {
-        for body in 0..self.bodies.len() {
-            w.position[body] = y[2 * body];
-            w.velocity[body] = y[2 * body + 1];
-        }
+    pub(crate) fn instant(&self, y: &[f64], mode: &Mode, w: &mut Workspace) {
+        self.stand(y, mode.wood.as_ref(), w);
         for (i, plan) in self.volumes.iter().enumerate() {
             w.volume[i] = plan.dead;
             w.growth[i] = 0.0;
@@ -188,10 +193,16 @@ impl Plan {
         }
         self.contact_forces(mode, w);
         for (i, contact) in self.contacts.iter().enumerate() {
-            let force = -contact.side * w.contact[i].force;
-            w.act(contact.pair, force);
+            if !contact.carries {
+                let force = -contact.side * w.contact[i].force;
+                w.act(contact.pair, force);
+            }
         }
         for (i, spring) in self.springs.iter().enumerate() {
+            if spring.carries {
+                w.spring[i] = self.carrier(Carrier::Spring(i), -w.support);
+                continue;
+            }
             w.spring[i] = if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
                 spring.force(w.travel(spring.pair), w.speed(spring.pair))
             } else {
@@ -247,13 +258,27 @@ impl Plan {
             w.acceleration[body] = w.force[body] / mass + plan.gravity;
             w.outer += mass * plan.gravity;
         }
+        if let (Some(driven), Some(drive)) = (&self.driven, &mode.wood) {
+            [w.acceleration[driven.body], w.acceleration[self.grip()]] = drive.accelerations(w.clock);
+        }
+    }
+
+    /// Force that a block shows which carries the lumped workpiece.
+    fn carrier(&self, own: Carrier, support: f64) -> Damped<f64> {
+        let shown = self.driven.is_some_and(|driven| driven.shown == Some(own));
+        Damped {
+            force: if shown { support } else { 0.0 },
+            dashpot: 0.0,
+        }
     }
 
     /// Forces of contacts and fasteners; requires [`Self::instant`].
     #[inline]
     pub(crate) fn contact_forces(&self, mode: &Mode, w: &mut Workspace) {
         for (i, contact) in self.contacts.iter().enumerate() {
-            w.contact[i] = if mode.is_on(contact.switch) {
+            w.contact[i] = if contact.carries {
+                self.carrier(Carrier::Contact(i), w.support)
+            } else if mode.is_on(contact.switch) {
                 let (u, rate) = contact.overlap(w.travel(contact.pair), w.speed(contact.pair));
                 contact.push(u, rate)
             } else {
@@ -282,7 +307,7 @@ impl Plan {
 
     /// dy/dt of states and ledger.
     pub(crate) fn rates(&self, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace, rate: &mut [f64]) {
-        self.instant(y, w);
+        self.instant(y, mode, w);
         self.flows(t, mode, w, false);
         self.forces(t, mode, w);
         self.walls(w);
@@ -331,6 +356,14 @@ impl Plan {
         }
         self.losses(w, rate);
         rate[self.ground_impulse] = w.force[self.ground()];
+        if let Some(driven) = &self.driven {
+            // The other bodies rest on the workpiece itself.
+            let (seat, grip) = (driven.body, self.grip());
+            rate[2 * seat] = y[2 * seat + 1];
+            rate[2 * seat + 1] = 0.0;
+            rate[self.ground_impulse] += w.force[seat] + w.force[grip];
+            rate[driven.work] = w.force[seat] * w.velocity[seat] + w.force[grip] * w.velocity[grip];
+        }
         rate[self.outer_impulse] = w.outer;
     }
 

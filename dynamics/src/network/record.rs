@@ -608,7 +608,7 @@ impl Recorder {
 
     /// Appends a sample of a state.
     pub(crate) fn push(&mut self, plan: &Plan, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
-        plan.instant(y, w);
+        plan.instant(y, mode, w);
         plan.flows(t, mode, w, true);
         plan.forces(t, mode, w);
         let width = self.sources.len();

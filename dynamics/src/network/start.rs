@@ -48,7 +48,7 @@ impl Plan {
             y[self.energy() + i] = volume.pressure * w.volume[i] / (self.gamma - 1.0);
             y[self.mass() + i] = volume.pressure * w.volume[i] / (self.gas_constant * volume.temperature);
         }
-        self.instant(&y, &mut w);
+        self.instant(&y, &mode, &mut w);
         for plan in &self.frictions {
             if let Some(stick) = &plan.stick {
                 mode.memory[stick.place] = w.travel(plan.pair);
@@ -80,10 +80,7 @@ impl Plan {
 
     /// Computes only positions and velocities.
     fn place(&self, y: &[f64], w: &mut Workspace) {
-        for body in 0..self.bodies.len() {
-            w.position[body] = y[2 * body];
-            w.velocity[body] = y[2 * body + 1];
-        }
+        self.stand(y, None, w);
         for (i, volume) in self.volumes.iter().enumerate() {
             w.volume[i] = volume.dead;
         }
@@ -146,7 +143,7 @@ impl Plan {
                     && self.assembly.bodies.iter().any(
                         |body| matches!(body.start, Start::RestOn(b) if b.family == Family::Contact && b.index == i),
                     );
-            mode.switches[contact.switch] = u8::from(u > 0.0 || rested);
+            mode.switches[contact.switch] = u8::from(!contact.carries && (u > 0.0 || rested));
         }
         for spring in &self.springs {
             if let Some(switch) = spring.switch {

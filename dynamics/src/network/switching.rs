@@ -116,7 +116,10 @@ impl Slot {
         match self {
             Self::Contact(i) => {
                 let contact = &plan.contacts[*i];
-                let (u, rate) = contact.overlap(w.travel(contact.pair), w.speed(contact.pair));
+                if contact.carries || contact.landing.is_some_and(|[_, caught]| mode.is_on(caught)) {
+                    return f64::INFINITY;
+                }
+                let (u, rate) = plan.approach(contact, mode, w);
                 let push = contact.pressing(u, rate);
                 // Closing requires overlap and a pushing force; a contact that overlaps while its force is negative
                 // remains open (C-13).
@@ -171,7 +174,11 @@ impl Slot {
         };
         match self {
             Self::Contact(i) => {
-                let on = toggle(mode, plan.contacts[*i].switch);
+                let contact = &plan.contacts[*i];
+                let on = toggle(mode, contact.switch);
+                if let Some([open, caught]) = contact.landing {
+                    mode.switches[caught] = u8::from(on && mode.is_on(open));
+                }
                 let action = if on { Action::Closes } else { Action::Opens };
                 Some(word(Family::Contact, *i, 0, action))
             }
@@ -281,7 +288,7 @@ fn toggle(mode: &mut Mode, switch: usize) -> bool {
 
 /// Margin for a fastener to stop moving deeper.
 fn deeper(plan: &Plan, fastener: usize, mode: &Mode, w: &Workspace) -> f64 {
-    let z = plan.depth(fastener, w);
+    let (z, touching) = (plan.depth(fastener, w), plan.touching(fastener, w));
     let fastener = &plan.fasteners[fastener];
     let [deepest, force] = [mode.memory[fastener.deepest], mode.memory[fastener.deepest + 1]];
     match mode.switches[fastener.depth] {
@@ -289,9 +296,9 @@ fn deeper(plan: &Plan, fastener: usize, mode: &Mode, w: &Workspace) -> f64 {
         depth::SEATED => f64::INFINITY,
         // Reversible: the force is a function of depth until the first reversal, and zero afterwards.
         _ if fastener.reversible && mode.switches[fastener.head] == head::LEFT => f64::INFINITY,
-        _ if fastener.reversible => -z,
+        _ if fastener.reversible => -touching,
         depth::UNLOADING => deepest - z,
-        _ if force == 0.0 => deepest - z,
+        _ if force == 0.0 => deepest - touching,
         _ => deepest - force / fastener.unloading - z,
     }
 }

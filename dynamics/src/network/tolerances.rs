@@ -34,7 +34,13 @@ pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
         size[plan.energy() + i] = energy / (plan.gamma - 1.0);
         size[plan.mass() + i] = energy / (plan.gas_constant * ambient.unwrap_or(volume.temperature));
     }
+    let mut weighted = plan.states();
+    if let Some(driven) = &plan.driven {
+        // The motion of a driven body is prescribed.
+        size[2 * driven.body..2 * driven.body + 2].fill(UNWEIGHTED);
+        weighted -= 2;
+    }
     // The solver's norm is a mean over all entries, so those without an error weight must be excluded from it.
-    let share = (plan.states() as f64 / plan.size() as f64).sqrt();
+    let share = (weighted as f64 / plan.size() as f64).sqrt();
     size.iter().map(|size| relative * size * share).collect()
 }

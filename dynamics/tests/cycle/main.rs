@@ -9,6 +9,8 @@ mod coupled;
 mod energy;
 mod laws;
 mod log;
+#[path = "../common/mass.rs"]
+mod mass;
 mod options;
 mod presets;
 mod reference;

@@ -7,9 +7,12 @@ mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
 mod conditions;
+mod coupled;
 mod errors;
 mod expansion;
 mod laws;
+#[path = "../common/mass.rs"]
+mod mass;
 mod n80cb;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;

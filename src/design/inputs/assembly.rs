@@ -86,8 +86,9 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
 
 /// A key with a value that the assembly does not follow, and what to do instead.
 fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
-    if design.support.coupling == Coupling::TwoWay {
-        let remedy = "set `support.coupling = \"one-way\"`: an assembly drives workpiece and support one way";
+    if design.support.coupling == Coupling::TwoWay && body(&resolved.assembly, WORKPIECE).is_none() {
+        let remedy = "set `support.coupling = \"one-way\"`: the assembly has no body `workpiece` on which the support \
+                      could act";
         return Some(("support.coupling".to_owned(), remedy));
     }
     let muffler = "exhaust.muffler.kind";

@@ -18,7 +18,7 @@ pub(crate) const TOOL: &str = "tool";
 /// The body on which a tool works.
 pub(crate) const WORKPIECE: &str = "workpiece";
 /// Outcome of a shot to which no outcome of its assembly applies.
-const UNNAMED: &str = "unnamed";
+pub(crate) const UNNAMED: &str = "unnamed";
 
 impl ShotRecord {
     /// The shot of an assembly.
@@ -218,6 +218,19 @@ fn contains(expression: &Expression, channel: Channel) -> bool {
         Expression::Negative(inner) => contains(inner, channel),
         Expression::Binary(_, left, right) => contains(left, channel) || contains(right, channel),
         Expression::Function(_, parts) => parts.iter().any(|part| contains(part, channel)),
+    }
+}
+
+/// SI unit of a figure of [`figures`], from its name.
+pub(crate) fn figure_unit(figure: &str) -> &'static str {
+    if figure.starts_with("speed_") {
+        "m/s"
+    } else if figure.ends_with("_force") {
+        "N"
+    } else if figure.ends_with("_depth") {
+        "m"
+    } else {
+        "kg"
     }
 }
 

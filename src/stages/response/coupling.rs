@@ -1,4 +1,5 @@
-//! Two-way coupling: the modes of workpiece and support replace the cycle's lumped workpiece.
+//! Two-way coupling: the modes of workpiece and support replace the cycle's lumped workpiece, whichever engine computes
+//! the cycle.
 //!
 //! Cycle and structure advance in the same steps. At the end of each step, the forces between them are consistent with
 //! the motion that the forces cause, so that the support's stiffness acts back on penetration, recoil and the release
@@ -7,17 +8,16 @@
 
 use std::sync::Arc;
 
-use nailnoise_dynamics::{
-    Compliance, CouplingWork, CycleRecord, Parameters, WoodForces, WoodMotion, Workpiece, simulate_on,
-};
+use nailnoise_dynamics::network::{self, Record};
+use nailnoise_dynamics::{Compliance, CouplingWork, EnergyFlow, WoodForces, WoodMotion, Workpiece, simulate_on};
 use nailnoise_fem::vibration::{Driven, ModalBody, ModalResponse, Settings, Support};
 use nalgebra::{DMatrix, DVectorView};
 
-use super::nail_force::{DrivenFastener, FastenerLaw, Resistance};
+use super::nail_force::{DrivenFastener, Resistance};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::STATIONS;
-use crate::stages::cycle::Cycle;
+use crate::stages::cycle::{Engine, EngineRecord, OnWorkpiece, ShotRecord, WORKPIECE};
 
 /// Loads of the shot on the workpiece, in the order of a body's load participations: the nail stations from the surface
 /// downwards, the nose, and gravity.
@@ -44,9 +44,7 @@ const STRUCTURE_LIMIT: f64 = 1e-3;
 /// A cycle and a response that are consistent with each other.
 pub struct Coupled {
     /// The cycle; its workpiece is the surface below the nose, its support that of the block.
-    pub record: CycleRecord,
-    /// Parameters of the cycle.
-    pub parameters: Parameters,
+    pub shot: ShotRecord,
     /// The response of workpiece and support.
     pub response: Arc<ModalResponse>,
     /// For each body, amplitudes of its modes in vacuum in terms of its modes in the response, if they differ.
@@ -57,6 +55,17 @@ pub struct Coupled {
     pub checks: Vec<Check>,
 }
 
+/// The tool on the bodies: its cycle, its fastener and the acceleration due to gravity \[m/s2\].
+#[derive(Debug, Clone, Copy)]
+pub struct CoupledTool<'a> {
+    /// The engine of the cycle.
+    pub engine: &'a Engine,
+    /// The fastener in the workpiece; `None` for a tool that drives none.
+    pub fastener: Option<&'a DrivenFastener>,
+    /// Acceleration due to gravity \[m/s2\].
+    pub gravity: f64,
+}
+
 /// Computes cycle and response together; the workpiece is the first body.
 ///
 /// Each body's load participations have [`COUPLED_LOADS`] columns, down positive.
@@ -64,21 +73,17 @@ pub struct Coupled {
 /// # Errors
 /// The errors of cycle and response, and an error if the two do not converge.
 pub fn couple(
-    cycle: &Cycle,
+    tool: CoupledTool<'_>,
     bodies: &[ModalBody],
     supports: &[Support],
     transient: &Settings,
 ) -> Result<Coupled, Error> {
-    let parameters = &cycle.parameters;
     let mut wood = Wood {
         bodies,
         supports,
         transient,
-        resistance: Resistance::of(&DrivenFastener {
-            law: FastenerLaw::Nail(Box::new(parameters.clone())),
-            friction_share: parameters.friction_share,
-        }),
-        carrying: carrying(&bodies[0], parameters.ambient.gravity),
+        resistance: tool.fastener.map(Resistance::of),
+        carrying: carrying(&bodies[0], tool.gravity),
         // The bodies are under their own weight until the cycle places the tool on them.
         run: Driven::new(bodies, supports, &WEIGHT, &WEIGHT, transient)?,
         at: Reading::default(),
@@ -86,18 +91,35 @@ pub fn couple(
         shares: [0.0; STATIONS],
         work: 0.0,
     };
-    let (record, work) = simulate_on(parameters, &cycle.settings, &mut wood)?;
+    let (shot, work) = shot_on(tool.engine, &mut wood)?;
     let work_of_wood = wood.work;
     let response = wood.run.finish()?;
-    let checks = checks(&record, &response, work_of_wood);
+    let checks = checks(&shot, &response, work_of_wood);
     Ok(Coupled {
-        record,
-        parameters: parameters.clone(),
+        shot,
         response: Arc::new(response),
         coordinates: vec![None; bodies.len()],
         work,
         checks,
     })
+}
+
+/// The shot of an engine on external wood.
+fn shot_on(engine: &Engine, wood: &mut Wood<'_>) -> Result<(ShotRecord, CouplingWork), Error> {
+    match engine {
+        Engine::Keys(cycle) => {
+            let (record, work) = simulate_on(&cycle.parameters, &cycle.settings, wood)?;
+            Ok((ShotRecord::of_keys(&cycle.parameters, record), work))
+        }
+        Engine::Assembly(cycle) => {
+            let bodies = &cycle.assembly.bodies;
+            // An assembly without it is refused before.
+            let body = bodies.iter().position(|body| body.name == WORKPIECE);
+            let body = body.unwrap_or(bodies.len());
+            let (record, work) = network::simulate_on(&cycle.assembly, &cycle.numerics, body, wood)?;
+            Ok((ShotRecord::of_assembly(&cycle.assembly, record), work))
+        }
+    }
 }
 
 /// Fraction of each support's force on a body that acts upwards: the combined effect of weight and support on the
@@ -126,7 +148,8 @@ struct Wood<'a> {
     bodies: &'a [ModalBody],
     supports: &'a [Support],
     transient: &'a Settings,
-    resistance: Resistance,
+    /// Of a fastener, if the tool drives one.
+    resistance: Option<Resistance>,
     /// Fraction of each support's force that carries the workpiece.
     carrying: Vec<f64>,
     run: Driven<'a>,
@@ -140,7 +163,10 @@ struct Wood<'a> {
 
 impl Wood<'_> {
     fn shares(&self, depth: f64) -> [f64; STATIONS] {
-        self.resistance.shares(depth)
+        match &self.resistance {
+            Some(resistance) => resistance.shares(depth),
+            None => std::array::from_fn(|station| if station == 0 { 1.0 } else { 0.0 }),
+        }
     }
 
     fn loads(&self, forces: &WoodForces) -> [f64; COUPLED_LOADS] {
@@ -198,7 +224,10 @@ impl Workpiece for Wood<'_> {
         };
         let loads = self.loads(&forces);
         self.run = Driven::new(self.bodies, self.supports, &loads, &WEIGHT, self.transient)?;
-        self.at.nail = self.run.motion()[0];
+        self.at = Reading {
+            nail: self.run.motion()[0],
+            ..Reading::default()
+        };
         let (reading, motion) = self.reading(0.0);
         self.keep(reading, &forces);
         Ok(motion)
@@ -244,13 +273,14 @@ impl Workpiece for Wood<'_> {
 }
 
 /// Forces and work on both sides of the coupling.
-fn checks(record: &CycleRecord, response: &ModalResponse, work_of_wood: f64) -> Vec<Check> {
+fn checks(shot: &ShotRecord, response: &ModalResponse, work_of_wood: f64) -> Vec<Check> {
+    let forces = shot.workpiece.as_ref();
     let (mut apart, mut largest) = (0.0f64, f64::MIN_POSITIVE);
-    for sample in 0..record.len().min(response.samples()) {
+    for sample in 0..shot.len().min(response.samples()) {
         let on_wood = response.loads.column(sample);
         let nail: f64 = on_wood.rows(0, STATIONS).sum();
-        let seat = record.forces.nose[sample].max(0.0) + record.forces.guard[sample];
-        for (cycle, wood) in [(record.forces.penetration[sample], nail), (seat, on_wood[NOSE])] {
+        let [of_nail, seat] = forces.map_or([0.0; 2], |on| forces_at(shot, on, sample));
+        for (cycle, wood) in [(of_nail, nail), (seat, on_wood[NOSE])] {
             apart = apart.max((cycle - wood).abs());
             largest = largest.max(cycle.abs());
         }
@@ -259,8 +289,11 @@ fn checks(record: &CycleRecord, response: &ModalResponse, work_of_wood: f64) -> 
     let peak = (0..energy.time.len()).fold(f64::MIN_POSITIVE, |peak, k| {
         peak.max(energy.kinetic_total(k)).max(energy.work[k].abs())
     });
-    let e = &record.energy;
-    let applied = e.piston_work.abs() + e.valve_work.abs() + e.hand.abs() + e.gravity.abs();
+    let [work, applied] = match &shot.record {
+        EngineRecord::Keys(record) => [record.energy.wood, applied_by_keys(&record.energy)],
+        EngineRecord::Assembly(record) => work_of_assembly(record),
+    };
+    let applied = applied.max(f64::MIN_POSITIVE);
     vec![
         Check::at_most(
             "coupling: force difference between cycle and wood, relative to the largest force [-]",
@@ -269,13 +302,40 @@ fn checks(record: &CycleRecord, response: &ModalResponse, work_of_wood: f64) -> 
         ),
         Check::at_most(
             "coupling: work difference between cycle and wood, relative to the work of all forces [-]",
-            (record.energy.wood - work_of_wood) / applied,
+            (work - work_of_wood) / applied,
             WORK_LIMIT,
         ),
         Check::at_most(
             "coupling: work difference between cycle and wood, relative to the structure's energy [-]",
-            (record.energy.wood - work_of_wood) / peak,
+            (work - work_of_wood) / peak,
             STRUCTURE_LIMIT,
         ),
+    ]
+}
+
+/// Forces of fastener and seat in the cycle at a sample. A nose that lands may pull until the end of the step in which
+/// it meets the wood, but not in the wood.
+fn forces_at(shot: &ShotRecord, on: &OnWorkpiece, sample: usize) -> [f64; 2] {
+    let seat = match &shot.record {
+        EngineRecord::Keys(record) => record.forces.nose[sample].max(0.0) + record.forces.guard[sample],
+        EngineRecord::Assembly(_) => on.seat[sample] - on.nose[sample].min(0.0),
+    };
+    [on.fastener[sample], seat]
+}
+
+/// Work of gas, hand and gravity on the bodies of the tool of the keys.
+fn applied_by_keys(e: &EnergyFlow) -> f64 {
+    e.piston_work.abs() + e.valve_work.abs() + e.hand.abs() + e.gravity.abs()
+}
+
+/// Work of an assembly on its workpiece, and of gas, motors and forces on its bodies.
+fn work_of_assembly(record: &Record) -> [f64; 2] {
+    let of = |prefix: &str| -> f64 {
+        let entries = record.ledger.iter().filter(|entry| entry.name.starts_with(prefix));
+        entries.map(|entry| entry.value.abs()).sum()
+    };
+    [
+        record.integral(&format!("coupling.{WORKPIECE}")).unwrap_or(f64::NAN),
+        of("work."),
     ]
 }

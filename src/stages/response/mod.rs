@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 pub(in crate::stages) use fluid::in_air;
 
-pub use coupling::{COUPLED_LOADS, Coupled, couple};
+pub use coupling::{COUPLED_LOADS, Coupled, CoupledTool, couple};
 pub use linear::LinearResponse;
 pub use nail_force::{DrivenFastener, FastenerLaw};
 pub use shot::{OneWay, ShotInputs};

@@ -4,12 +4,12 @@ use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Suppor
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
+use super::coupling::{self, COUPLED_LOADS, Coupled, CoupledTool, couple};
 use super::nail_force::{self, DrivenFastener};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::{Body, ContactCells, STATIONS};
-use crate::stages::cycle::{Cycle, ShotRecord};
+use crate::stages::cycle::{Engine, ShotRecord};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
@@ -86,8 +86,13 @@ impl ShotInputs {
     ///
     /// # Errors
     /// The errors of the cycle and of the transient solver, and an error if the two do not converge.
-    pub fn two_way(&self, bodies: &[ModalBody], cycle: &Cycle) -> Result<Coupled, Error> {
-        couple(cycle, bodies, &self.opened(), &self.settings())
+    pub fn two_way(&self, bodies: &[ModalBody], engine: &Engine) -> Result<Coupled, Error> {
+        let tool = CoupledTool {
+            engine,
+            fastener: self.fastener.as_ref(),
+            gravity: self.gravity,
+        };
+        couple(tool, bodies, &self.opened(), &self.settings())
     }
 
     /// A body with its loss factor, in the form that the transient solver needs. Loads of the shot act only on the

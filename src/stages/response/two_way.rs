@@ -10,7 +10,7 @@ use super::shot::ShotInputs;
 use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::cycle::{Cycle, ShotRecord};
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached};
 
 /// Cycle and response of workpiece and support together, each acting on the other.
@@ -20,8 +20,8 @@ pub struct CoupledResponse {
     pub shot: ShotInputs,
     /// The bodies.
     pub structure: Structure,
-    /// The cycle.
-    pub cycle: Box<Cycle>,
+    /// The engine of the cycle.
+    pub engine: Engine,
 }
 
 impl Stage for CoupledResponse {
@@ -34,7 +34,7 @@ impl Stage for CoupledResponse {
 
     fn compute(&self, _: &Progress) -> Result<Coupled, Error> {
         let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
-        let coupled = self.shot.two_way(&bodies, &self.cycle)?;
+        let coupled = self.shot.two_way(&bodies, &self.engine)?;
         Ok(Coupled { coordinates, ..coupled })
     }
 }
@@ -51,8 +51,7 @@ impl Stage for CoupledCycle {
     const CODE: Code = CODE;
 
     fn compute(&self, _: &Progress) -> Result<ShotRecord, Error> {
-        let both = self.0.get()?;
-        Ok(ShotRecord::of_keys(&both.parameters, both.record.clone()))
+        Ok(self.0.get()?.shot.clone())
     }
 }
 
