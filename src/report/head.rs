@@ -48,16 +48,22 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
         }
         @if let Some(first) = first {
             p.verdict {
-                "The " b { (first.source) } " is loudest, with " (format!("{:.0} %", 100.0 * first.share))
-                " of the sound energy"
-                @if let Some(draws) = result.study.known().and_then(|study| draws_as_loudest(study, &first.source)) {
+                @if result.ranking.len() > 1 {
+                    "The " b { (first.source) } " is loudest, with " (format!("{:.0} %", 100.0 * first.share))
+                    " of the sound energy"
+                } @else {
+                    "The " b { (first.source) } " is the only source"
+                }
+                @if let Some(draws) = draws_as_loudest(result, &first.source) {
                     " " (draws)
                 }
                 "."
             }
-            ul.verdict { @for source in result.ranking.iter().filter(|own| own.lwa_db.is_some()) {
-                li { (silencing(result, source)) }
-            } }
+            @if result.ranking.len() > 1 {
+                ul.verdict { @for source in result.ranking.iter().filter(|own| own.lwa_db.is_some()) {
+                    li { (silencing(result, source)) }
+                } }
+            }
         }
         p.quiet { (with_subscripts(&in_words(result))) }
         @if let Some(performance) = &result.performance {
@@ -74,8 +80,9 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     }
 }
 
-/// In how many of the draws a source is the loudest; none where that is not stated.
-fn draws_as_loudest(study: &StudySummary, source: &str) -> Option<String> {
+/// In how many of the draws a source is the loudest; none where that is not stated, and for a single source.
+fn draws_as_loudest(result: &RunResult, source: &str) -> Option<String> {
+    let study = result.study.known().filter(|_| result.ranking.len() > 1)?;
     let share = study.spread(source).first?;
     Some(match study.ends {
         Ends::Percentiles => format!("(loudest in {:.0} % of the draws)", 100.0 * share),

@@ -129,9 +129,9 @@ fn basis(study: &StudySummary) -> String {
     }
 }
 
-/// The two most frequent orders.
+/// The two most frequent orders; none for a single source.
 fn orders(study: &StudySummary) -> Option<String> {
-    let (first, rest) = study.orders.split_first()?;
+    let (first, rest) = study.orders.split_first().filter(|(first, _)| first.order.len() > 1)?;
     // If eight draws out of eight agree, the probability of another order is up to 31 %, at 95 % confidence.
     let certain = match study.ends {
         Ends::Percentiles if first.share >= 0.95 => "",

@@ -30,7 +30,10 @@ pub(crate) fn ranking(result: &RunResult) -> Table {
         let level = Cell::from(decibels(source.lwa_db)).strong();
         let behind = [
             share,
-            format!("{} dB", change(-without(source.share))).into(),
+            match result.ranking.len() {
+                1 => "-".into(),
+                _ => format!("{} dB", change(-without(source.share))).into(),
+            },
             loudest_band(&source.bands),
             dash(interval, |interval| result.event_words.in_words(&interval.from)).into(),
         ];

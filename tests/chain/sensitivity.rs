@@ -265,18 +265,14 @@ fn the_impact_of_an_assembly_depends_on_the_mass_of_its_fastener_by_momentum() {
     assert_eq!((mass.unit.as_str(), mass.range), ("kg", [0.10e-3, 0.15e-3]));
 }
 
-/// A literal and a key of the assembly against central differences made by hand.
+/// A literal and a key of the assembly against central differences made by hand. The mass through the exhaust is left
+/// out: bounces of the piston scatter it by 1e-8 kg between neighbouring values, more than half a per cent of the force
+/// changes it.
 #[test]
 fn differences_of_literals_made_by_hand_agree_within_the_error() {
     let design = stapler();
     let keys = ["staple.force", "cycle.contact.support.stiffness"];
-    let names = [
-        "speed_before_staple",
-        "staple_depth",
-        "stop",
-        "exhaust_mass",
-        "peak_staple_force",
-    ];
+    let names = ["speed_before_staple", "staple_depth", "stop", "peak_staple_force"];
     let outputs = assembly_outputs(&design, &names).unwrap().unwrap();
     let s = of_assembly(&design, &names, &keys);
     for (key, value, step) in [(keys[0], 180.0, 0.9), (keys[1], 1e8, 1e6)] {
