@@ -48,8 +48,9 @@ impl AtomicWrite {
             temporary,
             written: Mutex::default(),
         };
-        create(&staging.outgoing())?;
-        create(&staging.incoming())?;
+        for own in [staging.outgoing(), staging.incoming()] {
+            fs::create_dir(own).map_err(|source| failed(folder, source))?;
+        }
         Ok(staging)
     }
 
@@ -97,11 +98,9 @@ impl AtomicWrite {
     }
 
     fn fill(&self, path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
-        let staged = self.incoming().join(path);
-        let written = staged
-            .parent()
-            .map_or(Ok(()), fs::create_dir_all)
-            .and_then(|()| File::create(&staged))
+        let incoming = self.incoming();
+        let written = create_between(&incoming, path)
+            .and_then(|()| File::create(incoming.join(path)))
             .and_then(|mut file| fill(&mut file));
         written.map_err(|source| failed(&self.folder.join(path), source))?;
         let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
@@ -205,6 +204,20 @@ pub(crate) fn is_file_name(name: &str) -> bool {
 /// [`Error::Write`].
 pub(crate) fn create(folder: &Path) -> Result<(), Error> {
     fs::create_dir_all(folder).map_err(|source| failed(folder, source))
+}
+
+/// Creates the folders between `folder` and a file in it, but not `folder`: if an interruption has removed it, no thread
+/// that still writes may bring it back.
+fn create_between(folder: &Path, file: &Path) -> io::Result<()> {
+    let mut folder = folder.to_owned();
+    for name in file.parent().into_iter().flat_map(Path::components) {
+        folder.push(name);
+        match fs::create_dir(&folder) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            created => created?,
+        }
+    }
+    Ok(())
 }
 
 fn failed(path: &Path, source: io::Error) -> Error {
@@ -369,6 +382,21 @@ mod tests {
             .iter()
             .try_for_each(|file| staging.write(Path::new(file), b"new"))?;
         Ok(staging)
+    }
+
+    #[test]
+    fn a_folder_that_an_interruption_removed_does_not_come_back() -> Result<(), Error> {
+        let folder = folder("removed");
+        let staging = staged(&folder, &["a", "other/b"])?;
+        let hidden = staging.temporary.path().to_owned();
+        fs::remove_dir_all(&hidden).map_err(|source| failed(&hidden, source))?;
+        for file in ["c", "other/d"] {
+            assert!(
+                staging.write(Path::new(file), b"new").is_err() && !hidden.exists(),
+                "{file}"
+            );
+        }
+        fs::remove_dir_all(&folder).map_err(|source| failed(&folder, source))
     }
 
     #[test]

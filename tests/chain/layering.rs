@@ -206,6 +206,7 @@ const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
         "names of bodies and of a stage",
     ),
     ("src/study/groups.rs", &["body"], "a group of inputs"),
+    ("src/commands/stage_words.rs", &["body"], "a stage"),
 ];
 
 #[test]

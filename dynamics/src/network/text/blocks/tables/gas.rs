@@ -5,7 +5,7 @@ use nailnoise_quantities::dimension::{
 };
 use nailnoise_quantities::{Kind, any, gas_pressure, nonnegative, positive};
 
-use super::{BASE, BODY_NAME, OPENS, PUSH};
+use super::phrases::{BASE, BODY_NAME, OPENS, PUSH};
 use crate::network::assembly::Cone;
 use crate::network::text::table::FieldType::{Either, List, Name, Number, Quantity, Table, Words};
 use crate::network::text::table::{FieldSpec, TableSpec, field, flag, name_of, one_of, quantity, table, text, words};

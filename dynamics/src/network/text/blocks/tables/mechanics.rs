@@ -5,7 +5,7 @@ use nailnoise_quantities::dimension::{
 };
 use nailnoise_quantities::{Kind, any, component, nonnegative, positive};
 
-use super::{BASE, BODY_NAME, PUSH};
+use super::phrases::{BASE, BODY_NAME, PUSH};
 use crate::network::assembly::Stop;
 use crate::network::text::table::FieldType::{Either, List, Number, Pair, Quantity};
 use crate::network::text::table::{FieldSpec, TableSpec, field, flag, name_of, one_of, quantity, table, text, words};

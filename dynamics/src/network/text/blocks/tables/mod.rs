@@ -4,19 +4,14 @@ pub(super) mod events;
 pub(super) mod gas;
 pub(super) mod mechanics;
 pub(super) mod outputs;
+mod phrases;
 
 use nailnoise_quantities::dimension::{ACCELERATION, GAS_CONSTANT, NUMBER, TIME};
 use nailnoise_quantities::{any, nonnegative, positive};
 
 use crate::network::assembly::Ledger;
-use crate::network::text::fields::PUSHES;
 use crate::network::text::table::FieldType::{Either, List, Pair, Table, Text, Value};
 use crate::network::text::table::{TableSpec, blocks, field, one_of, quantity, table, text, words};
-
-const BODY_NAME: &str = "body";
-const BASE: &str = "body, or ground";
-const PUSH: [&str; 2] = words(&PUSHES);
-const OPENS: [&str; 2] = words(&PUSHES);
 
 /// Balances that a record contains.
 pub(super) const LEDGERS: [(&str, Ledger); 2] = [("lean", Ledger::Lean), ("full", Ledger::Full)];
