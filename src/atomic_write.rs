@@ -206,8 +206,8 @@ pub(crate) fn create(folder: &Path) -> Result<(), Error> {
     fs::create_dir_all(folder).map_err(|source| failed(folder, source))
 }
 
-/// Creates the folders between `folder` and a file in it, but not `folder`: if an interruption has removed it, no thread
-/// that still writes may bring it back.
+/// Creates the folders between `folder` and a file in it, but not `folder`: if an interruption has removed it, threads
+/// that still write must not bring it back.
 fn create_between(folder: &Path, file: &Path) -> io::Result<()> {
     let mut folder = folder.to_owned();
     for name in file.parent().into_iter().flat_map(Path::components) {

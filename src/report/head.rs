@@ -9,7 +9,7 @@ use super::tables;
 use super::typography::{capitalised, with_code, with_subscripts};
 use crate::design::{Design, Value, inputs};
 use crate::model::supports;
-use crate::result::{Ends, RankedSource, RunResult, StudySummary, pressures};
+use crate::result::{Ends, RankedSource, RunResult, pressures};
 use crate::stages::headline::Headline;
 use crate::study::legend;
 use crate::tables::run::without;
