@@ -21,7 +21,7 @@ pub(super) fn next_lines(rows: &[NextRow]) -> String {
     let line = |own: &&NextRow| {
         let least = if own.is_bound { "at least " } else { "" };
         format!(
-            "    {}, {:.0} min: {:.1} dB and {:.2}, which is {least}{:.1} dB narrower and {:.2} surer an hour\n",
+            "    {}, {:.0} min: {:.1} dB and {:.2}; for an hour of work {least}{:.1} dB narrower and P(first) +{:.2}\n",
             own.measurement,
             own.minutes,
             own.width[1],
