@@ -266,7 +266,8 @@ class Modes(_Shown):
         largest = float(np.linalg.norm(shape, axis=1).max())
         if amplitude is None:
             amplitude = 0.06 * float(np.linalg.norm(np.ptp(self.points, axis=0)))
-        return self.points + (amplitude / largest if largest > 0.0 else 0.0) * shape
+        moved: Floats = self.points + (amplitude / largest if largest > 0.0 else 0.0) * shape
+        return moved
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         rows = [[str(place + 1), f"{hz:.2f}"] for place, hz in enumerate(self.hz) if not self.rigid[place]]

@@ -1,9 +1,8 @@
 //! Units of results for people: SI or those of a workshop in the United States.
 //!
 //! Texts, tables and charts are written in metric units, and files for machines stay in them. A renderer for people
-//! (terminal, page, chart) has one value of [`Units`] and converts its input: a text by [`Units::text`], a table
-//! and a chart by their `in_units`, a page by [`Units::page`]. Notes of a result, which are part of its file, are
-//! converted in the same way.
+//! (terminal, page, chart) has one value of [`Units`] and converts its input: texts, tables, charts and
+//! pages. Notes of a result, which are part of its file, are converted in the same way.
 
 mod factors;
 mod heading;
