@@ -1,6 +1,7 @@
 //! Fields that several measurements have: tables, names, errors.
 
-use nailnoise_documents::{KeyError, Keys, found, nearest};
+use nailnoise_calibration::likelihood::Reading;
+use nailnoise_documents::{KeyError, Keys, Value, found, nearest};
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, measure};
 use toml::de::DeValue;
@@ -12,7 +13,7 @@ pub(super) const MOST_SHOTS: usize = 100_000;
 
 /// Weight of the default scatter: with n shots of sample deviation s, the variance combines n - 1 shots at s and this
 /// many at the default.
-pub(super) const SHOTS_OF_DEFAULT: f64 = 4.0;
+const SHOTS_OF_DEFAULT: f64 = 4.0;
 
 /// The tables in a group, in the order of the file.
 pub(super) fn tables<'t, 'i>(
@@ -175,4 +176,63 @@ pub(super) fn of_given(table: &Keys<'_, '_>) -> Result<(), KeyError> {
         _ => "has values of several kinds",
     };
     Err(table.error(given.get(1).copied().unwrap_or(""), problem, help))
+}
+
+/// A value, its bounds or the mean of its repeats.
+pub(super) struct Repeats {
+    pub(super) reading: Reading,
+    /// The value to which percentages refer.
+    pub(super) typical: f64,
+    pub(super) shots: f64,
+    /// Standard deviation of one shot, if the file gives it through values or `scatter`.
+    pub(super) scatter: Option<f64>,
+}
+
+/// The values of repeated shots, each read by `read`; none without the key.
+pub(super) fn repeated(
+    table: &Keys<'_, '_>,
+    read: &dyn Fn(&str, &Value<'_>) -> Result<f64, KeyError>,
+) -> Result<Option<Vec<f64>>, KeyError> {
+    let Some(values) = table.get("values") else {
+        return Ok(None);
+    };
+    if let Some(other) = ["shots", "scatter"].into_iter().find(|key| table.get(key).is_some()) {
+        return Err(table.error(other, "follows from `values`", "remove it"));
+    }
+    let list = values.get_ref().as_array();
+    let list = list.filter(|list| !list.is_empty()).ok_or_else(|| {
+        let problem = match list {
+            Some(_) => "is empty".to_owned(),
+            None => format!("is {}", found(values.get_ref())),
+        };
+        table.error("values", problem, "give a list of values")
+    })?;
+    list.iter()
+        .map(|own| read("values", own))
+        .collect::<Result<_, _>>()
+        .map(Some)
+}
+
+/// Mean of repeats, and the standard deviation of one of them, mixed with the default for that mean.
+pub(super) fn mean_and_scatter(values: &[f64], by_default: impl Fn(f64) -> f64) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|own| (own - mean).powi(2)).sum();
+    let variance = (SHOTS_OF_DEFAULT * by_default(mean).powi(2) + squares) / (n - 1.0 + SHOTS_OF_DEFAULT);
+    (mean, variance.sqrt())
+}
+
+/// The reading of `value`, `at_most` and `at_least`, in the unit of the data by `of`.
+pub(super) fn reading(
+    table: &Keys<'_, '_>,
+    [value, most, least]: [Option<f64>; 3],
+    of: impl Fn(f64) -> f64,
+) -> Result<Reading, KeyError> {
+    Ok(match (value, most, least) {
+        (Some(value), ..) => Reading::Value(of(value)),
+        (None, Some(most), Some(least)) if least < most => Reading::Within([of(least), of(most)]),
+        (None, Some(_), Some(_)) => return Err(table.error("at_least", "is not below `at_most`", "swap the two")),
+        (None, Some(most), None) => Reading::AtMost(of(most)),
+        (None, None, least) => Reading::AtLeast(of(least.unwrap_or_default())),
+    })
 }

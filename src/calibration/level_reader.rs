@@ -5,7 +5,9 @@ use nailnoise_documents::{KeyError, Keys, Value, found};
 use nailnoise_quantities::dimension::ACCELERATION;
 use nailnoise_quantities::measure;
 
-use super::fields::{MOST_SHOTS, SHOTS_OF_DEFAULT, error_by, named, of_given, place, spread_by};
+use super::fields::{
+    MOST_SHOTS, Repeats, error_by, mean_and_scatter, named, of_given, place, reading, repeated, spread_by,
+};
 use super::level_quantities::{LevelQuantity, NAMES, Position, STANDARD_GRAVITY};
 use super::measurements::{Condition, InstrumentError, MeasuredLevel};
 use super::quantities::Spread;
@@ -89,15 +91,6 @@ impl Given {
             Self::Acceleration => DECIBELS * spread.at(value) / value,
         }
     }
-}
-
-/// Readings in several shots \[dB\].
-struct Repeats {
-    reading: Reading,
-    /// The value to which percentages refer, in its own unit.
-    typical: f64,
-    shots: f64,
-    scatter: Option<f64>,
 }
 
 impl OfLevel<'_, '_, '_> {
@@ -236,45 +229,20 @@ impl OfLevel<'_, '_, '_> {
             Ok(own)
         };
         of_given(table)?;
-        if let Some(values) = table.get("values") {
-            if let Some(other) = ["shots", "scatter"].into_iter().find(|key| table.get(key).is_some()) {
-                return Err(table.error(other, "follows from `values`", "remove it"));
-            }
-            let list = values.get_ref().as_array();
-            let list = list.filter(|list| !list.is_empty()).ok_or_else(|| {
-                let problem = match list {
-                    Some(_) => "is empty".to_owned(),
-                    None => format!("is {}", found(values.get_ref())),
-                };
-                table.error("values", problem, "give a list of values")
-            })?;
-            let list: Vec<f64> = list.iter().map(|own| read("values", own)).collect::<Result<_, _>>()?;
+        if let Some(list) = repeated(table, &read)? {
             let levels: Vec<f64> = list.iter().map(|own| given.level(*own)).collect();
-            let n = list.len() as f64;
-            let mean = levels.iter().sum::<f64>() / n;
-            let squares: f64 = levels.iter().map(|own| (own - mean).powi(2)).sum();
-            let by_default = quantity.scatter().powi(2);
+            let (mean, scatter) = mean_and_scatter(&levels, |_| quantity.scatter());
             return Ok(Repeats {
                 reading: Reading::Value(mean),
-                typical: list.iter().sum::<f64>() / n,
-                shots: n,
-                scatter: Some(((SHOTS_OF_DEFAULT * by_default + squares) / (n - 1.0 + SHOTS_OF_DEFAULT)).sqrt()),
+                typical: list.iter().sum::<f64>() / list.len() as f64,
+                shots: list.len() as f64,
+                scatter: Some(scatter),
             });
         }
         let get = |key: &str| table.get(key).map(|value| read(key, value)).transpose();
         let (value, most, least) = (get("value")?, get("at_most")?, get("at_least")?);
-        let level = |value: f64| given.level(value);
-        let reading = match (value, most, least) {
-            (Some(value), ..) => Reading::Value(level(value)),
-            (None, Some(most), Some(least)) if least < most => Reading::Within([level(least), level(most)]),
-            (None, Some(_), Some(_)) => {
-                return Err(table.error("at_least", "is not below `at_most`", "swap the two"));
-            }
-            (None, Some(most), None) => Reading::AtMost(level(most)),
-            (None, None, least) => Reading::AtLeast(level(least.unwrap_or_default())),
-        };
         Ok(Repeats {
-            reading,
+            reading: reading(table, [value, most, least], |own| given.level(own))?,
             typical: value.or(most).or(least).unwrap_or_default(),
             shots: table.count("shots", MOST_SHOTS)?.unwrap_or(1) as f64,
             scatter: None,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::conflict::{self, Conflict};
-use nailnoise_calibration::likelihood::{Datum, ErrorLaw, Likelihood, Prediction, SharedError};
+use nailnoise_calibration::likelihood::{Datum, ErrorLaw, Likelihood, Prediction};
 use nailnoise_calibration::sampler::{Candidate, Particle};
 use nailnoise_calibration::statistics::{effective_size, resampled, weighted_quantile};
 use serde::Serialize;
@@ -19,6 +19,7 @@ use super::level_draws::{LevelDraws, level_draws};
 use super::measurements::{MeasuredLevel, Measurements};
 use super::posterior::{Found, Posterior, Request, Treatment, shuffle};
 use super::random::standard_normal;
+use super::tool::errors;
 use crate::decibels::energy_sum;
 use crate::design::{Design, JointDraws};
 use crate::error::Error;
@@ -232,22 +233,14 @@ fn likelihood(
     let datum = |(number, own): (usize, &MeasuredLevel)| {
         let family = own.quantity.family();
         let family = families.iter().position(|known| Some(known) == family.as_ref());
-        let common = if family.is_some() { 0.5 } else { 0.0 };
-        let scale = (own.error.powi(2) + (1.0 - common) * own.discrepancy.powi(2)).sqrt();
-        let of_model = family.map(|place| SharedError {
-            variable: variables + place,
-            coefficient: own.discrepancy * f64::sqrt(common),
-        });
-        let of_instrument = own.instrument.map(|own| SharedError {
-            variable: keys + own.instrument,
-            coefficient: own.deviation,
-        });
+        let of_model = family.map(|place| variables + place);
+        let (scale, shared) = errors([own.error, own.discrepancy], of_model, (keys, own.instrument.as_ref()));
         Datum {
             name: own.name.clone(),
             condition: own.condition,
             reading: own.reading,
             scale: scale * factors.get(&number).copied().unwrap_or(1.0),
-            shared: of_model.into_iter().chain(of_instrument).collect(),
+            shared,
             counts: !left_out.contains(&number),
         }
     };

@@ -10,7 +10,9 @@ use nailnoise_quantities::{Dimension, Group, Kind, measure, quantity};
 use toml::de::DeValue;
 
 use super::error::CalibrationError;
-use super::fields::{MOST_SHOTS, SHOTS_OF_DEFAULT, error, named, of_given, place, spread, tables, words};
+use super::fields::{
+    MOST_SHOTS, Repeats, error, mean_and_scatter, named, of_given, place, reading, repeated, spread, tables, words,
+};
 use super::level_quantities;
 use super::level_reader::OfLevel;
 use super::measurements::{
@@ -373,16 +375,6 @@ struct Of<'a, 't, 'i> {
     instruments: &'a [(String, Keys<'t, 'i>)],
 }
 
-/// Readings of a quantity in several shots.
-struct Repeats {
-    reading: Reading,
-    /// The value to which percentages refer.
-    typical: f64,
-    shots: f64,
-    /// Standard deviation of one shot, if the file gives it through values or `scatter`.
-    scatter: Option<f64>,
-}
-
 impl Of<'_, '_, '_> {
     fn measured(&self, name: &str, notes: &mut Vec<String>) -> Result<Measured, KeyError> {
         let table = self.table;
@@ -550,29 +542,13 @@ impl Of<'_, '_, '_> {
             }
             None => None,
         };
-        if let Some(values) = table.get("values") {
-            if let Some(other) = ["shots", "scatter"].into_iter().find(|key| table.get(key).is_some()) {
-                return Err(table.error(other, "follows from `values`", "remove it"));
-            }
-            let list = values.get_ref().as_array();
-            let list = list.filter(|list| !list.is_empty()).ok_or_else(|| {
-                let problem = match list {
-                    Some(_) => "is empty".to_owned(),
-                    None => format!("is {}", found(values.get_ref())),
-                };
-                table.error("values", problem, "give a list of values")
-            })?;
-            let list: Vec<f64> = list.iter().map(|own| read("values", own)).collect::<Result<_, _>>()?;
-            let n = list.len() as f64;
-            let mean = list.iter().sum::<f64>() / n;
-            let squares: f64 = list.iter().map(|own| (own - mean).powi(2)).sum();
-            let by_default = quantity.scatter(mean).powi(2);
-            let variance = (SHOTS_OF_DEFAULT * by_default + squares) / (n - 1.0 + SHOTS_OF_DEFAULT);
+        if let Some(list) = repeated(table, &read)? {
+            let (mean, scatter) = mean_and_scatter(&list, |mean| quantity.scatter(mean));
             return Ok(Repeats {
                 reading: Reading::Value(mean),
                 typical: mean,
-                shots: n,
-                scatter: Some(variance.sqrt()),
+                shots: list.len() as f64,
+                scatter: Some(scatter),
             });
         }
         let shots = table.count("shots", MOST_SHOTS)?.unwrap_or(1) as f64;
@@ -581,15 +557,7 @@ impl Of<'_, '_, '_> {
         } else {
             1.0
         };
-        let reading = match (value, most, least) {
-            (Some(value), ..) => Reading::Value(of_one * value),
-            (None, Some(most), Some(least)) if least < most => Reading::Within([of_one * least, of_one * most]),
-            (None, Some(_), Some(_)) => {
-                return Err(table.error("at_least", "is not below `at_most`", "swap the two"));
-            }
-            (None, Some(most), None) => Reading::AtMost(of_one * most),
-            (None, None, least) => Reading::AtLeast(of_one * least.unwrap_or_default()),
-        };
+        let reading = reading(table, [value, most, least], |own| of_one * own)?;
         let typical = match reading {
             Reading::Value(value) | Reading::AtMost(value) | Reading::AtLeast(value) => value,
             Reading::Within([low, high]) => 0.5 * (low + high),

@@ -8,7 +8,7 @@ use nailnoise_calibration::likelihood::{Datum, ErrorCorrelation, ErrorLaw, Likel
 use nailnoise_dynamics::{CycleError, CycleRecord, Settings, simulate};
 
 use super::error::CalibrationError;
-use super::measurements::{Measured, Measurements};
+use super::measurements::{InstrumentError, Measured, Measurements};
 use super::quantities::{Family, Quantity};
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Derived, Design, Value};
@@ -286,6 +286,27 @@ fn variables(design: &Design, measured: &Measurements) -> Result<Vec<Variable>, 
     Ok(variables)
 }
 
+/// Scale of a reading's own error, and the errors shared with other readings. Half of the variance of the model's error
+/// is common to the readings of a family, whose variable is `of_model`; `keys` is the number of variables before those
+/// of the instruments.
+pub(super) fn errors(
+    [error, discrepancy]: [f64; 2],
+    of_model: Option<usize>,
+    (keys, instrument): (usize, Option<&InstrumentError>),
+) -> (f64, Vec<SharedError>) {
+    let common = if of_model.is_some() { 0.5 } else { 0.0 };
+    let scale = (error.powi(2) + (1.0 - common) * discrepancy.powi(2)).sqrt();
+    let of_model = of_model.map(|variable| SharedError {
+        variable,
+        coefficient: discrepancy * f64::sqrt(common),
+    });
+    let of_instrument = instrument.map(|own| SharedError {
+        variable: keys + own.instrument,
+        coefficient: own.deviation,
+    });
+    (scale, of_model.into_iter().chain(of_instrument).collect())
+}
+
 /// The likelihood of the readings, of which `held_out` are only predicted; `factors` widen their independent errors.
 ///
 /// Half of the variance of a family's model error is shared by its readings, and half is independent.
@@ -305,22 +326,14 @@ pub(super) fn likelihood(
             .quantity
             .family()
             .and_then(|family| families.iter().position(|known| *known == family));
-        let common = if family.is_some() { 0.5 } else { 0.0 };
-        let scale = (own.error.powi(2) + (1.0 - common) * own.discrepancy.powi(2)).sqrt();
-        let of_model = family.map(|place| SharedError {
-            variable: keys + measured.instruments.len() + place,
-            coefficient: own.discrepancy * f64::sqrt(common),
-        });
-        let of_instrument = own.instrument.map(|own| SharedError {
-            variable: keys + own.instrument,
-            coefficient: own.deviation,
-        });
+        let of_model = family.map(|place| keys + measured.instruments.len() + place);
+        let (scale, shared) = errors([own.error, own.discrepancy], of_model, (keys, own.instrument.as_ref()));
         Datum {
             name: own.name.clone(),
             condition: own.condition,
             reading: own.reading,
             scale: scale * factors.get(&number).copied().unwrap_or(1.0),
-            shared: of_model.into_iter().chain(of_instrument).collect(),
+            shared,
             counts: !left_out.contains(&number),
         }
     };
