@@ -275,7 +275,7 @@ impl Levelled {
                 continue;
             }
             self.weights = self.weights_without(&[]);
-            let Some((datum, reading, probability)) = self.against_the_cycle(posterior) else {
+            let Some((datum, reading, probability)) = self.conflict_with_cycle(posterior) else {
                 break;
             };
             left_out.push(datum);
@@ -340,7 +340,7 @@ impl Levelled {
 
     /// A level with which a reading of the cycle is improbable, that reading, and its probability. The level is the one
     /// without which the reading is most probable.
-    fn against_the_cycle(&self, posterior: &Posterior) -> Option<(usize, usize, f64)> {
+    fn conflict_with_cycle(&self, posterior: &Posterior) -> Option<(usize, usize, f64)> {
         let likelihood = &posterior.likelihood;
         let particles: Vec<Particle> = (self.draws.rows.iter())
             .map(|&row| posterior.state.particles[row].clone())
