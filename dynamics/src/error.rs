@@ -179,6 +179,12 @@ pub enum CycleError {
         /// Time \[s\].
         time: f64,
     },
+    /// The assembly of the nailer does not accept these values.
+    #[error("the assembly `n80cb` refuses these values: {cause}")]
+    Assembly {
+        /// The report of its reader.
+        cause: String,
+    },
     /// Cycle and wood do not agree on their forces.
     #[error(
         "the cycle and the wood do not agree on their forces at {time} s: {mismatch} N apart, {limit} N allowed; use a \

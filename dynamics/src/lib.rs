@@ -8,15 +8,12 @@ pub mod blow;
 #[path = "../tests/common/mod.rs"]
 mod common;
 mod coupling;
-mod cycle;
 mod energy;
 mod error;
 mod geometry;
 mod log;
 pub mod machine;
-#[cfg(test)]
-#[path = "../tests/common/n80cb_assembly.rs"]
-mod n80cb_assembly;
+mod nailer;
 pub mod network;
 mod parameters;
 mod penetration;
@@ -25,11 +22,11 @@ mod record;
 mod settings;
 mod workpiece;
 
-pub use cycle::{simulate, simulate_on};
 pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
 pub use log::{Crossing, Direction, LogEntry, LogState};
+pub use nailer::{simulate, simulate_on};
 pub use nailnoise_penetration::{NailedWood, Wood};
 pub use parameters::{
     Ambient, Block, BlowModel, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters,

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use super::integrator::integrate;
 use super::{Machine, MachineError};
-use crate::cycle::{Air, Gas};
+use crate::network::gas::{Air, Gas};
 
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-11;

@@ -6,14 +6,16 @@ use super::mode::Mode;
 use super::plan::Plan;
 use super::probe::{Level, Need};
 use super::rates::Workspace;
+use super::record::{ConditionChange, logged_state};
 
 /// A change of an event's condition.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Change {
     time: f64,
     rising: bool,
     /// Whether the further condition is satisfied at that point.
     admitted: bool,
+    state: Vec<f64>,
 }
 
 /// A condition whose edges are recorded, and the events that it defines.
@@ -155,6 +157,7 @@ impl Events {
                     time,
                     rising: satisfied,
                     admitted,
+                    state: logged_state(plan, w),
                 });
                 self.changed = true;
             }
@@ -175,6 +178,7 @@ impl Events {
                     time,
                     rising: true,
                     admitted,
+                    state: logged_state(plan, w),
                 });
                 self.changed = true;
             }
@@ -234,7 +238,7 @@ impl Events {
         let end = until.min(now);
         let first = trace.changes.partition_point(|change| change.time <= start);
         let at_once = matches!(event.edge, Edge::Is(_)) && start <= now && {
-            let last = first.checked_sub(1).map(|last| trace.changes[last]);
+            let last = first.checked_sub(1).map(|last| &trace.changes[last]);
             last.map_or(trace.satisfied_at_start, |last| last.rising)
         };
         let from = match event.edge {
@@ -261,6 +265,22 @@ impl Events {
             Pick::Last => candidates.next_back(),
         };
         found.map(|(time, _)| time)
+    }
+
+    /// Changes of the conditions of all events; those of words that blocks log are in the log.
+    pub(crate) fn into_changes(self, plan: &Plan) -> Vec<ConditionChange> {
+        let events = plan.assembly.events.iter().zip(self.traces);
+        let of_conditions = events.filter(|(event, _)| matches!(event.edge, Edge::Becomes(_) | Edge::Is(_)));
+        of_conditions
+            .flat_map(|(event, trace)| {
+                trace.changes.into_iter().map(|change| ConditionChange {
+                    event: event.name.clone(),
+                    time: change.time,
+                    satisfied: change.rising,
+                    state: change.state,
+                })
+            })
+            .collect()
     }
 
     /// The first outcome whose test is satisfied; the workspace contains the final state.

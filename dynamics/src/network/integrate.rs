@@ -22,12 +22,12 @@ use super::plan::Plan;
 use super::probe::Need;
 use super::rates::Workspace;
 use super::record::{Effort, EventTime, LedgerEntry, LogEntry, Parts, Peak, Record, Recorder, Strike};
-use super::record::{peaked, restriction_name};
+use super::record::{logged_state, peaked, restriction_name, state_columns};
 use super::signals::Signals;
 use super::switching::Slots;
 use super::tolerances::tolerances;
 use super::watch::Watch;
-use crate::cycle::locate;
+use super::locate::locate;
 use crate::{Method, WoodMotion};
 
 /// Number of points per step, including its end, at which conditions are checked.
@@ -245,31 +245,36 @@ impl<'p> Run<'p> {
                 self.audit
                     .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
             }
-            self.tell(word, self.t);
+            self.announce(word, self.t);
         }
     }
 
     /// Logs a word at a given time and passes it to triggers and events; `y` is the state there.
-    fn tell(&mut self, word: Word, time: f64) {
+    fn announce(&mut self, word: Word, time: f64) {
         let plan = self.plan;
         if self.recording {
             self.note(word, time);
         }
-        self.signals.hear(plan, time, &mut self.mode, word);
+        for word in self.signals.pass(plan, time, &mut self.mode, word) {
+            if self.recording {
+                self.note(word, time);
+            }
+        }
     }
 
     /// Logs a word and passes it to the events.
     fn note(&mut self, word: Word, time: f64) {
         let plan = self.plan;
         let place = self.log.partition_point(|entry| entry.time <= time);
+        plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
         let entry = LogEntry {
+            state: logged_state(plan, &self.w),
             time,
             block: plan.assembly.name_of(word.block).to_owned(),
             restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
             word: word.action.word(),
         };
         self.log.insert(place, entry);
-        plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
         self.events.hear(word, time, plan, &self.mode, &self.w);
     }
 
@@ -527,7 +532,7 @@ impl<'p> Run<'p> {
                 let time = locate(left, t, before, after, height)?;
                 for note in self.watch.pass(i, time, after > 0.0, plan, &self.mode) {
                     at(time, &mut self.y)?;
-                    self.tell(note.word, note.time);
+                    self.announce(note.word, note.time);
                 }
             }
             self.watch.settle(&self.watched[k]);
@@ -662,7 +667,7 @@ impl<'p> Run<'p> {
                     after: self.y[driver],
                 });
             }
-            self.tell(word, self.t);
+            self.announce(word, self.t);
         }
         plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
@@ -692,6 +697,7 @@ impl<'p> Run<'p> {
         });
         let events = events.collect();
         let checks = self.audit.checks(plan);
+        let energies = self.audit.energies(plan, &self.y, &self.mode, &self.w);
         let integrals = plan.ledger.iter().zip(&self.y[plan.states()..]);
         let mut ledger: Vec<LedgerEntry> = integrals
             .map(|(item, value)| LedgerEntry {
@@ -700,15 +706,13 @@ impl<'p> Run<'p> {
                 value: *value,
             })
             .collect();
-        ledger.extend(self.audit.into_lost().into_iter().map(|lost| LedgerEntry {
-            name: format!("lost.{}", lost.name),
-            unit: "J",
-            value: lost.energy,
-        }));
+        ledger.extend(energies.into_iter().map(|(name, value)| LedgerEntry { name, unit: "J", value }));
         let parts = Parts {
             end: self.t,
             events,
             log: self.log,
+            condition_changes: self.events.into_changes(plan),
+            state_columns: state_columns(plan),
             outcome,
             ledger,
             peaks: self.peaks,

@@ -13,7 +13,7 @@ use super::rates::Workspace;
 use super::resistance::interpolate;
 use nailnoise_penetration::{Dual, Real};
 
-use crate::cycle::Gas;
+use super::gas::Gas;
 
 /// Derivatives of the rates with respect to the states, by columns with the length of the complete vector.
 #[derive(Debug, Clone)]

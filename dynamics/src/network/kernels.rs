@@ -11,7 +11,7 @@ use super::plan::{
 use super::resistance::{ShankLaw, interpolate};
 use nailnoise_penetration::Real;
 
-use crate::cycle::{Air, Gas};
+use super::gas::{Air, Gas};
 
 /// A force and its dashpot contribution \[N\].
 #[derive(Debug, Clone, Copy)]

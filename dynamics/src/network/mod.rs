@@ -20,10 +20,12 @@ mod drive;
 mod equations;
 mod error;
 mod events;
+pub(crate) mod gas;
 mod integrate;
 pub(crate) mod jacobian;
 mod kernels;
 mod linear;
+mod locate;
 pub(crate) mod mode;
 mod numerics;
 pub(crate) mod plan;
@@ -45,7 +47,8 @@ pub use assembly::Assembly;
 pub use error::RunError;
 pub use numerics::Numerics;
 pub use record::{
-    Channel, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory, Record, Strike,
+    Channel, ConditionChange, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory,
+    Record, StateColumn, Strike,
 };
 pub use resistance::FastenerResistance;
 pub use text::{

@@ -13,7 +13,7 @@ use super::assembly::{
 use super::drive::{Carrier, Driven};
 use super::error::RunError;
 use super::resistance::ShankLaw;
-use crate::cycle::Air;
+use super::gas::Air;
 
 /// Two bodies between which a block acts; the ground has the index after the last body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

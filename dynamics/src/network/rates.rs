@@ -6,7 +6,7 @@ use super::kernels::{Damped, Ends, Flow};
 use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
 use super::resistance::interpolate;
-use crate::cycle::Gas;
+use super::gas::Gas;
 
 /// Quantities of a state; reused between calls.
 #[derive(Debug, Clone)]

@@ -46,6 +46,30 @@ pub struct LogEntry {
     pub restriction: String,
     /// What happened.
     pub word: &'static str,
+    /// State there, in the order of [`Record::state_columns`].
+    pub state: Vec<f64>,
+}
+
+/// A change of an event's condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConditionChange {
+    /// Name of the event.
+    pub event: String,
+    /// Time \[s\].
+    pub time: f64,
+    /// Whether the condition is satisfied from then on.
+    pub satisfied: bool,
+    /// State there, in the order of [`Record::state_columns`].
+    pub state: Vec<f64>,
+}
+
+/// Name and SI unit of a quantity of a logged state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StateColumn {
+    /// `block.quantity`.
+    pub name: String,
+    /// SI unit.
+    pub unit: &'static str,
 }
 
 /// Flow through an opening to the atmosphere.
@@ -158,6 +182,11 @@ pub struct Record {
     pub events: Vec<EventTime>,
     /// Changes of blocks in chronological order.
     pub log: Vec<LogEntry>,
+    /// Changes of the events' conditions, event by event in chronological order.
+    pub condition_changes: Vec<ConditionChange>,
+    /// Quantities of the logged states: position and velocity of each body, pressure of each volume, depth
+    /// of each fastener's tip.
+    pub state_columns: Vec<StateColumn>,
     /// Name of the outcome whose test is satisfied, if any.
     pub outcome: Option<String>,
     /// Flows through the openings that make noise.
@@ -297,6 +326,8 @@ impl Record {
             end,
             events,
             log,
+            condition_changes,
+            state_columns,
             outcome,
             ledger,
             peaks,
@@ -318,6 +349,8 @@ impl Record {
             channels,
             events,
             log,
+            condition_changes,
+            state_columns,
             outcome,
             ledger,
             peaks,
@@ -333,6 +366,8 @@ pub(crate) struct Parts {
     pub(crate) end: f64,
     pub(crate) events: Vec<EventTime>,
     pub(crate) log: Vec<LogEntry>,
+    pub(crate) condition_changes: Vec<ConditionChange>,
+    pub(crate) state_columns: Vec<StateColumn>,
     pub(crate) outcome: Option<String>,
     pub(crate) ledger: Vec<LedgerEntry>,
     pub(crate) peaks: Vec<Peak>,
@@ -631,6 +666,30 @@ impl Recorder {
         }
         self.rows = 0;
     }
+}
+
+/// Quantities of the logged states.
+pub(crate) fn state_columns(plan: &Plan) -> Vec<StateColumn> {
+    let column = |block: &str, quantity: &str, unit| StateColumn {
+        name: format!("{block}.{quantity}"),
+        unit,
+    };
+    let bodies = plan.assembly.bodies.iter();
+    let motions = bodies.flat_map(|own| [column(&own.name, "position", "m"), column(&own.name, "velocity", "m/s")]);
+    let volumes = plan.assembly.volumes.iter();
+    let fasteners = plan.assembly.fasteners.iter();
+    motions
+        .chain(volumes.map(|own| column(&own.name, "pressure", "Pa")))
+        .chain(fasteners.map(|own| column(&own.name, "tip", "m")))
+        .collect()
+}
+
+/// A state for the log; the workspace contains its instant.
+pub(crate) fn logged_state(plan: &Plan, w: &Workspace) -> Vec<f64> {
+    let motions = (0..plan.bodies.len()).flat_map(|body| [w.position[body], w.velocity[body]]);
+    let tips = (0..plan.fasteners.len()).map(|fastener| plan.depth(fastener, w));
+    let pressures = w.pressure[..plan.volumes.len()].iter().copied();
+    motions.chain(pressures).chain(tips).collect()
 }
 
 /// Names of the blocks whose peaks are tracked.

@@ -146,7 +146,9 @@ impl Signals {
                 && t >= time - DUE
             {
                 self.over += 1;
-                self.change(plan, t, mode, trigger, state);
+                if let Some(word) = self.change(plan, t, mode, trigger, state) {
+                    return Ok(Some(word));
+                }
                 continue;
             }
             let Some(place) = self.pending.iter().position(|p| t >= p.time - DUE) else {
@@ -192,22 +194,23 @@ impl Signals {
         }
     }
 
-    /// Passes a word to the triggers.
-    pub(crate) fn hear(&mut self, plan: &Plan, t: f64, mode: &mut Mode, word: Word) {
+    /// Passes a word to the triggers; returns the words of those that change.
+    pub(crate) fn pass(&mut self, plan: &Plan, t: f64, mode: &mut Mode, word: Word) -> Vec<Word> {
+        let mut words = Vec::new();
         for (i, trigger) in plan.assembly.triggers.iter().enumerate() {
-            if trigger.set.contains(&word) {
-                self.change(plan, t, mode, i, true);
-            }
-            if trigger.clear.contains(&word) {
-                self.change(plan, t, mode, i, false);
+            for (list, state) in [(&trigger.set, true), (&trigger.clear, false)] {
+                if list.contains(&word) {
+                    words.extend(self.change(plan, t, mode, i, state));
+                }
             }
         }
+        words
     }
 
-    fn change(&mut self, plan: &Plan, t: f64, mode: &mut Mode, trigger: usize, state: bool) {
+    fn change(&mut self, plan: &Plan, t: f64, mode: &mut Mode, trigger: usize, state: bool) -> Option<Word> {
         let switch = plan.triggers[trigger];
         if mode.is_on(switch) == state {
-            return;
+            return None;
         }
         mode.switches[switch] = u8::from(state);
         for (i, follower) in self.followers.iter().enumerate() {
@@ -220,6 +223,14 @@ impl Signals {
             }
         }
         self.pending.sort_by(|a, b| a.time.total_cmp(&b.time));
+        Some(Word {
+            block: BlockRef {
+                family: Family::Trigger,
+                index: trigger,
+            },
+            restriction: 0,
+            action: if state { Action::Sets } else { Action::Clears },
+        })
     }
 }
 

@@ -116,6 +116,10 @@ pub enum Action {
     Runs,
     /// Motor stops.
     Stops,
+    /// Trigger becomes true.
+    Sets,
+    /// Trigger becomes false.
+    Clears,
 }
 
 impl Action {
@@ -144,6 +148,8 @@ impl Action {
             Self::Releases => "releases",
             Self::Runs => "runs",
             Self::Stops => "stops",
+            Self::Sets => "sets",
+            Self::Clears => "clears",
         }
     }
 }

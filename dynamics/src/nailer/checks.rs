@@ -1,27 +1,15 @@
-//! The state before the shot: valve closed, tool pressed on the wood, everything at rest.
+//! The limits of the model, in terms of a design's keys.
 
+use nailnoise_penetration::ResistanceLaw;
 use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
 use nailnoise_quantities::{Kind, Value, nonnegative, positive};
 
-use super::forces::{SPRING, SPRING_LIMIT};
-use super::mode::{Channel, Contact, Mode, NailState, Penetration};
-use super::state::*;
-use super::system::System;
-use super::wood::DrivenWood;
-use crate::{CycleError, Parameters, SupportDamping, WoodMotion};
-use nailnoise_penetration::ResistanceLaw;
+use crate::{CycleError, Parameters, SupportDamping};
 
 /// Rejects designs outside the validity of the model.
-pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
+pub(super) fn check(p: &Parameters) -> Result<(), CycleError> {
     check_numbers(p)?;
     let valve = &p.head_valve;
-    if valve.lift + valve.spring_preload > SPRING_LIMIT * (1.0 + 1e-12) {
-        return Err(CycleError::SpringRange {
-            lift: valve.lift,
-            preload: valve.spring_preload,
-            limit: SPRING_LIMIT,
-        });
-    }
     if valve.exhaust_lap > valve.intake_lap {
         return Err(CycleError::LapOverlap {
             exhaust: valve.exhaust_lap,
@@ -135,84 +123,4 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
         });
     }
     Ok(())
-}
-
-/// Force of the seated tool on the wood, F_hm + (M_g + M_p + M_h) g.
-pub(crate) fn seat_force(system: &System) -> Result<f64, CycleError> {
-    let p = &system.p;
-    let press = p.hand.force + (p.tool.mass + p.piston.mass + p.head_valve.mass) * p.ambient.gravity;
-    let guard = system.guard_stiffness * p.contacts.guard_travel;
-    if press <= guard {
-        return Err(CycleError::NotSeated { guard, press });
-    }
-    Ok(press)
-}
-
-/// State and mode at the trigger pull.
-///
-/// ```text
-/// y_w = [F_hm + (M_w + M_g + M_p + M_h) g]/k_ws
-/// y_g = y_w + [F_hm + (M_g + M_p + M_h) g - k_esg y_msg]/(k_wsn + k_esg)
-/// y_m = y_g + F_hm/k_m
-/// y_hr = L_h + F_close/k_hc2,  F_close = P_h A_h1 - P_ext A_h2 - P_1 A_h3 + F_s(y_sp) + M_h g
-/// ```
-///
-/// On external wood, y_w is its rest position.
-pub(crate) fn start(system: &System, rest: Option<&WoodMotion>) -> Result<(State, Mode), CycleError> {
-    let (p, geometry) = (&system.p, &system.geometry);
-    let gravity = p.ambient.gravity;
-    let tool = seat_force(system)?;
-    let guard = system.guard_stiffness * p.contacts.guard_travel;
-    let y_w = rest.map_or(
-        (tool + geometry.workpiece_mass * gravity) / p.support.stiffness,
-        |rest| rest.seat[0],
-    );
-    let y_g = y_w + (tool - guard) / (p.contacts.nose_stiffness + system.guard_stiffness);
-    let (supply, ambient) = (p.supply.pressure, p.ambient.pressure);
-    let spring = p.head_valve.spring_scale
-        * SPRING
-            .iter()
-            .rev()
-            .fold(0.0, |sum, c| sum * p.head_valve.spring_preload + c);
-    let close = supply * (geometry.valve_control_area - geometry.valve_supply_area) - ambient * system.underside_area
-        + spring
-        + p.head_valve.mass * gravity;
-    if close <= 0.0 {
-        return Err(CycleError::ValveNotClosed { force: close });
-    }
-
-    let mut y = [0.0; SIZE];
-    y[Y_P] = y_g;
-    y[Y_G] = y_g;
-    y[Y_H] = y_g + p.head_valve.lift + close / p.contacts.seat_stiffness;
-    (y[Y_W], y[V_W]) = if rest.is_some() { (0.0, 1.0) } else { (y_w, 0.0) };
-    if system.sprung_hand {
-        y[Y_M] = y_g + p.hand.force / p.hand.stiffness;
-    }
-    let volume = system.instant(&y).volume;
-    for (i, pressure) in [ambient, ambient, ambient, supply, supply].into_iter().enumerate() {
-        y[ENERGY + i] = pressure * volume[i] / (system.air.gamma - 1.0);
-        y[MASS + i] = pressure * volume[i] / (system.air.gas_constant * p.ambient.temperature);
-    }
-    let mut closed = [false; Contact::COUNT];
-    closed[Contact::Seat as usize] = true;
-    closed[Contact::Nose as usize] = true;
-    closed[Contact::Support as usize] = rest.is_none();
-    let mode = Mode {
-        closed,
-        guard: true,
-        intake: false,
-        exhaust: true,
-        check_holes: p.chambers.check_hole_position <= 0.0,
-        penetration: Penetration::Free {
-            deepest: 0.0,
-            force: 0.0,
-        },
-        nail: NailState::Waiting,
-        channel: Channel::Closed,
-        impact: system.envelope.usual_impact(),
-        released: false,
-        wood: rest.map(DrivenWood::at_rest),
-    };
-    Ok((y, mode))
 }

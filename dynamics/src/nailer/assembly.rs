@@ -1,0 +1,148 @@
+//! The built-in assembly with the values of a design, and the errors of its run in terms of the design.
+
+use std::sync::LazyLock;
+
+use nailnoise_quantities::dimension::{LENGTH, TIME};
+
+use super::checks;
+use crate::network::{Assembly, AssemblyError, AssemblyText, KeyValue, Numerics, RunError};
+use crate::{CycleError, Geometry, Parameters, Settings};
+
+/// Blocks that switch, by the names of the assembly and in words.
+const BLOCKS: [(&str, &str); 11] = [
+    ("bumper", "the bumper"),
+    ("stopper", "the stopper"),
+    ("cap", "the head valve's cap"),
+    ("seat", "the head valve's seat"),
+    ("nose", "the nose"),
+    ("support", "the support"),
+    ("guard", "the guard spring"),
+    ("intake", "the intake"),
+    ("exhaust", "the exhaust"),
+    ("check", "the check-ring holes"),
+    ("nail", "the nail in the wood"),
+];
+
+/// Gas volumes by the names of the assembly and in words.
+const VOLUMES: [(&str, &str); 5] = [
+    ("above_piston", "above-piston"),
+    ("below_piston", "below-piston"),
+    ("return_volume", "return"),
+    ("above_valve", "above-valve"),
+    ("supply", "supply-side"),
+];
+
+/// Hole pitch of a cycle, which only sources of noise use \[m\].
+const UNUSED_PITCH: f64 = 1.0;
+
+/// The nailer as an assembly, ready for a run.
+pub(super) struct Nailer<'p> {
+    parameters: &'p Parameters,
+    pub(super) assembly: Assembly,
+    pub(super) numerics: Numerics,
+}
+
+impl<'p> Nailer<'p> {
+    /// The assembly of a design.
+    ///
+    /// # Errors
+    /// Those of [`simulate`](super::simulate) that are found before the run.
+    pub(super) fn new(parameters: &'p Parameters, settings: &Settings) -> Result<Self, CycleError> {
+        static TEXT: LazyLock<Result<AssemblyText, AssemblyError>> = LazyLock::new(|| AssemblyText::open_design(&[]));
+        checks::check(parameters)?;
+        settings.check()?;
+        let mut keys = parameters.keys();
+        for (path, si, dimension) in [
+            ("analysis.cycle_end", settings.end, TIME),
+            ("analysis.cycle_tail", settings.tail, TIME),
+            ("exhaust.pitch", UNUSED_PITCH, LENGTH),
+        ] {
+            keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
+        }
+        let refused = |error: &AssemblyError| CycleError::Assembly {
+            cause: error.to_string(),
+        };
+        let text = TEXT.as_ref().map_err(refused)?;
+        let assembly = text.resolve(&keys).map_err(|error| refused(&error))?.assembly;
+        Ok(Self {
+            parameters,
+            assembly,
+            numerics: Numerics {
+                method: settings.method,
+                relative_tolerance: settings.relative_tolerance,
+                sample_interval: Some(settings.sample_interval),
+            },
+        })
+    }
+
+    /// Index of a body.
+    pub(super) fn body(&self, name: &str) -> Result<usize, CycleError> {
+        let found = self.assembly.bodies.iter().position(|body| body.name == name);
+        found.ok_or_else(|| CycleError::Assembly {
+            cause: format!("no body `{name}`"),
+        })
+    }
+
+    /// The error of a run in terms of the keys.
+    pub(super) fn error(&self, error: RunError) -> CycleError {
+        let p = self.parameters;
+        match error {
+            RunError::SpringLimit { limit, .. } => CycleError::SpringRange {
+                lift: p.head_valve.lift,
+                preload: p.head_valve.spring_preload,
+                limit,
+            },
+            RunError::NotSeated { contact, force, .. } if contact == "seat" => CycleError::ValveNotClosed { force },
+            RunError::NotSeated { .. } | RunError::NoEquilibrium { .. } => {
+                let (guard, nose) = (p.contacts.guard_stiffness, p.contacts.nose_stiffness);
+                let mass = p.tool.mass + p.piston.mass + p.head_valve.mass;
+                CycleError::NotSeated {
+                    guard: guard * nose / (guard + nose) * p.contacts.guard_travel,
+                    press: p.hand.force + mass * p.ambient.gravity,
+                }
+            }
+            RunError::Collapse { volume, size, time, .. } if volume == "below_piston" => {
+                let area = Geometry::new(p).ring_area;
+                CycleError::DryFire {
+                    time,
+                    compression: (p.chambers.below_piston - size) / area,
+                    available: p.chambers.below_piston / area,
+                }
+            }
+            RunError::Collapse {
+                volume,
+                size,
+                mass,
+                time,
+                ..
+            } => CycleError::Collapse {
+                volume: in_words(&VOLUMES, &volume),
+                time,
+                size,
+                mass,
+            },
+            RunError::Chatter {
+                block,
+                count,
+                window,
+                time,
+            } => CycleError::Chatter {
+                contact: in_words(&BLOCKS, &block),
+                count,
+                window,
+                time,
+            },
+            RunError::Coupling { time, mismatch, limit } => CycleError::Coupling { time, mismatch, limit },
+            RunError::Integration { time, cause } => CycleError::Integration { time, cause },
+            other => CycleError::Assembly {
+                cause: other.to_string(),
+            },
+        }
+    }
+}
+
+/// A block in words.
+fn in_words(names: &[(&str, &'static str)], block: &str) -> &'static str {
+    let found = names.iter().find(|(name, _)| *name == block);
+    found.map_or("another block of the assembly", |(_, words)| words)
+}

@@ -1,0 +1,90 @@
+//! The nailer of a design's keys: the built-in assembly `n80cb` with these values, and its record in fixed fields.
+//!
+//! | part | module |
+//! |---|---|
+//! | limits of the model | `checks` |
+//! | assembly, and errors of a run in terms of the keys | `assembly` |
+//! | record, from channels and ledger | `record`, `summary`, `log` |
+
+mod assembly;
+mod checks;
+mod log;
+mod record;
+mod summary;
+
+use crate::network::{self, RunError};
+use crate::{Compliance, CouplingWork, CycleError, CycleRecord, Parameters, Settings, WoodForces, WoodMotion, Workpiece};
+
+use assembly::Nailer;
+
+/// Name of the body on which the nailer works.
+const WORKPIECE: &str = "workpiece";
+
+/// Computes one nailing cycle, from the trigger pull to 5 ms after the piston comes to rest at the top. It ends no
+/// later than `settings.end` or the landing of the tool.
+///
+/// # Errors
+/// [`CycleError`]. A value is out of range, the design is outside the model (spring range, overlapping laps, tool not
+/// seated, valve not closed), a dry fire occurs, a contact chatters, or the integration cannot continue.
+pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
+    let nailer = Nailer::new(parameters, settings)?;
+    let record = network::simulate(&nailer.assembly, &nailer.numerics).map_err(|error| nailer.error(error))?;
+    record::view(parameters, record)
+}
+
+/// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the
+/// cycle act on the structure, its motion acts on the cycle, and both are consistent at every sample.
+///
+/// The record's workpiece is then the surface under the nose, and its support that of the structure.
+///
+/// # Errors
+/// The errors of [`simulate`], [`CycleError::Coupling`], and those of the structure.
+pub fn simulate_on<W: Workpiece<Error: From<CycleError>>>(
+    parameters: &Parameters,
+    settings: &Settings,
+    wood: &mut W,
+) -> Result<(CycleRecord, CouplingWork), W::Error> {
+    let nailer = Nailer::new(parameters, settings)?;
+    let body = nailer.body(WORKPIECE)?;
+    let found = network::simulate_on(&nailer.assembly, &nailer.numerics, body, &mut Adapter(wood));
+    let (record, work) = found.map_err(|error| match error {
+        Either::Run(error) => nailer.error(error).into(),
+        Either::Wood(error) => error,
+    })?;
+    Ok((record::view(parameters, record)?, work))
+}
+
+/// An error of the run or of the structure.
+enum Either<E> {
+    Run(RunError),
+    Wood(E),
+}
+
+impl<E> From<RunError> for Either<E> {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
+}
+
+/// A workpiece whose errors stay apart from those of the run.
+struct Adapter<'w, W>(&'w mut W);
+
+impl<W: Workpiece> Workpiece for Adapter<'_, W> {
+    type Error = Either<W::Error>;
+
+    fn start(&mut self, seat: f64) -> Result<WoodMotion, Self::Error> {
+        self.0.start(seat).map_err(Either::Wood)
+    }
+
+    fn compliance(&self, depth: f64) -> Compliance {
+        self.0.compliance(depth)
+    }
+
+    fn trial(&mut self, forces: &WoodForces) -> Result<WoodMotion, Self::Error> {
+        self.0.trial(forces).map_err(Either::Wood)
+    }
+
+    fn accept(&mut self, forces: &WoodForces) -> Result<WoodMotion, Self::Error> {
+        self.0.accept(forces).map_err(Either::Wood)
+    }
+}

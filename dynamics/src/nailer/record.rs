@@ -1,0 +1,214 @@
+//! The record of the assembly in the fixed fields of a [`CycleRecord`].
+
+use nailnoise_quantities::Check;
+
+use super::log::log;
+use super::summary::{events, outcome, summary};
+use crate::network::{FlowHistory, Record};
+use crate::{
+    Body, ContactEnergy, CycleError, CycleRecord, EnergyFlow, ExhaustFlow, Forces, Form, Geometry, Motion, Parameters,
+    VentFlow, Volume, Work,
+};
+
+/// Histories and integrals of the assembly by name; those of blocks that a design switches off are zero.
+pub(super) struct Named<'r> {
+    record: &'r Record,
+    samples: usize,
+}
+
+impl<'r> Named<'r> {
+    pub(super) fn new(record: &'r Record) -> Self {
+        let samples = record.channels.first().map_or(0, |channel| channel.values.len());
+        Self { record, samples }
+    }
+
+    /// History of a channel.
+    pub(super) fn history(&self, name: &str) -> Vec<f64> {
+        self.record.get(name).map_or_else(|| vec![0.0; self.samples], <[f64]>::to_vec)
+    }
+
+    /// An integral, or an energy of the balance.
+    pub(super) fn integral(&self, name: &str) -> f64 {
+        self.record.integral(name).unwrap_or(0.0)
+    }
+
+    fn body(&self, name: &str) -> Body {
+        Body {
+            position: self.history(&format!("{name}.position")),
+            velocity: self.history(&format!("{name}.velocity")),
+            acceleration: self.history(&format!("{name}.acceleration")),
+        }
+    }
+
+    fn volume(&self, name: &str) -> Volume {
+        Volume {
+            pressure: self.history(&format!("{name}.pressure")),
+            temperature: self.history(&format!("{name}.temperature")),
+            mass: self.history(&format!("{name}.mass")),
+        }
+    }
+
+    fn opening(&self, name: &str) -> Result<&'r FlowHistory, CycleError> {
+        let found = self.record.openings.iter().find(|opening| opening.name == name);
+        found.ok_or_else(|| CycleError::Assembly {
+            cause: format!("no opening `{name}`"),
+        })
+    }
+}
+
+/// The record in fixed fields.
+///
+/// # Errors
+/// [`CycleError::Assembly`] if the assembly does not have both openings.
+pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleError> {
+    let named = Named::new(&record);
+    let volumes = ["above_piston", "below_piston", "return_volume", "above_valve", "supply"];
+    let [above_piston, below_piston, return_volume, above_valve, supply] = volumes.map(|name| named.volume(name));
+    let motion = Motion {
+        piston_travel: named.history("piston.travel"),
+        valve_lift: named.history("valve_lift"),
+        tip_depth: named.history("nail.tip"),
+        nail_depth: named.history("nail.deepest"),
+        moving_mass: named.history("piston.moving_mass"),
+    };
+    let forces = forces(p, &named, [&above_piston, &below_piston, &above_valve, &supply]);
+    let critical = critical_ratio(p);
+    let (holes, vent) = (named.opening("exhaust")?, named.opening("vent")?);
+    let choked = |n: usize| {
+        motion.valve_lift[n] > p.head_valve.intake_lap && above_piston.pressure[n] < critical * supply.pressure[n]
+    };
+    let exhaust = ExhaustFlow {
+        mass_flow: holes.mass_flow.clone(),
+        plenum_pressure: holes.pressure.clone(),
+        back_pressure: holes.back_pressure.clone(),
+        stagnation_temperature: holes.temperature.clone(),
+        choked: holes.choked.clone(),
+        intake_choked: (0..named.samples).map(choked).collect(),
+        intake_mass_flow: named.history("intake.mass_flow"),
+    };
+    let vent = VentFlow {
+        mass_flow: vent.mass_flow.clone(),
+        pressure: above_valve.pressure.clone(),
+        temperature: above_valve.temperature.clone(),
+    };
+    let effort = record.work;
+    let mut view = CycleRecord {
+        sample_interval: record.interval.unwrap_or_default(),
+        piston: named.body("piston"),
+        head_valve: named.body("head_valve"),
+        tool: named.body("tool"),
+        workpiece: named.body("workpiece"),
+        motion,
+        above_piston,
+        below_piston,
+        return_volume,
+        above_valve,
+        supply,
+        forces,
+        exhaust,
+        vent,
+        events: events(&record),
+        log: log(p, &record),
+        outcome: outcome(&record)?,
+        summary: crate::Summary::default(),
+        energy: energy(&named),
+        checks: record.checks.clone(),
+        work: Work {
+            steps: effort.steps,
+            rejected: effort.rejected,
+            newton_failures: effort.newton_failures,
+            newton_iterations: effort.newton_iterations,
+            evaluations: effort.evaluations,
+            jacobians: effort.jacobians,
+            factorisations: effort.factorisations,
+            events: effort.events,
+        },
+    };
+    view.summary = summary(p, &record, &named, &view);
+    if p.model.nail == Form::Corrected {
+        // In the published form, the nail ends with its first reversal.
+        let (depth, limit) = (view.summary.head_depth.max(0.0), p.nail.overdrive_limit);
+        view.checks.push(Check::at_most("head of the nail below the surface [m]", depth, limit));
+    }
+    Ok(view)
+}
+
+/// P_cr, critical pressure ratio of the ideal nozzle \[-\].
+pub(super) fn critical_ratio(p: &Parameters) -> f64 {
+    let gamma = p.ambient.heat_capacity_ratio;
+    (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
+}
+
+fn forces(p: &Parameters, named: &Named<'_>, [above, below, control, supply]: [&Volume; 4]) -> Forces {
+    let g = Geometry::new(p);
+    let underside = match p.model.valve_underside {
+        Form::Corrected => g.valve_cylinder_area,
+        Form::Published => 0.0,
+    };
+    let history = |force: &dyn Fn(usize) -> f64| (0..named.samples).map(force).collect();
+    let force = |block: &str| named.history(&format!("{block}.force"));
+    Forces {
+        piston_gas: history(&|n| {
+            above.pressure[n] * g.piston_area - below.pressure[n] * g.ring_area - p.ambient.pressure * g.rod_area
+        }),
+        valve_gas: history(&|n| {
+            control.pressure[n] * g.valve_control_area
+                - supply.pressure[n] * g.valve_supply_area
+                - above.pressure[n] * underside
+        }),
+        bumper: force("bumper"),
+        stopper: force("stopper"),
+        cap: force("cap"),
+        seat: force("seat"),
+        spring: force("spring"),
+        piston_friction: force("piston_friction"),
+        valve_friction: force("valve_friction"),
+        penetration: force("nail"),
+        nose: force("nose"),
+        guard: force("guard"),
+        support: force("support"),
+        hand: force("hand"),
+        magazine: named.history("nail.guide_force"),
+        thrust: force("thrust"),
+    }
+}
+
+fn energy(named: &Named<'_>) -> EnergyFlow {
+    let of = |name: &str| named.integral(name);
+    let contact = |name: &str| of(&format!("dashpot.{name}")) + of(&format!("lost.{name}"));
+    EnergyFlow {
+        gas_start: of("gas.start"),
+        gas_end: of("gas.end"),
+        supply: of("enthalpy.refill"),
+        exhaust: of("enthalpy.exhaust"),
+        vent: of("enthalpy.vent"),
+        leak: of("enthalpy.leak"),
+        wall_heat: of("heat"),
+        piston_work: of("work.piston"),
+        valve_work: of("work.head_valve"),
+        atmosphere: of("work.atmosphere"),
+        hand: of("work.hand") + of("work.push"),
+        gravity: of("gravity"),
+        thrust: of("work.thrust"),
+        piston_friction: of("friction.piston_friction"),
+        valve_friction: of("friction.valve_friction"),
+        magazine_friction: of("guide.nail"),
+        penetration: of("penetration.nail"),
+        nail_impact: of("lost.nail"),
+        nail_left: of("left.nail"),
+        contacts: ContactEnergy {
+            bumper: contact("bumper"),
+            stopper: contact("stopper"),
+            cap: contact("cap"),
+            seat: contact("seat"),
+            nose: contact("nose"),
+            support: contact("support"),
+        },
+        wood: of("coupling.workpiece"),
+        hand_damping: of("dashpot.hand"),
+        kinetic_start: of("kinetic.start"),
+        kinetic_end: of("kinetic.end"),
+        elastic_start: of("elastic.start"),
+        elastic_end: of("elastic.end"),
+    }
+}
