@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use nailnoise_quantities::dimension::{LENGTH, TIME};
 
 use super::checks;
-use crate::network::{Assembly, AssemblyError, AssemblyText, KeyValue, Numerics, RunError};
+use crate::network::{Assembly, AssemblyError, AssemblyText, Fault, KeyValue, Numerics, RunError};
 use crate::{CycleError, Geometry, Parameters, Settings};
 
 /// Blocks that switch, by the names of the assembly and in words.
@@ -59,11 +59,17 @@ impl<'p> Nailer<'p> {
         ] {
             keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
         }
-        let refused = |error: &AssemblyError| CycleError::Assembly {
-            cause: error.to_string(),
+        let refused = |error: &AssemblyError| match error.fault {
+            Fault::SpringLimit { limit, .. } => spring_range(parameters, limit),
+            _ => CycleError::Assembly {
+                cause: error.to_string(),
+            },
         };
         let text = TEXT.as_ref().map_err(refused)?;
-        let assembly = text.resolve(&keys).map_err(|error| refused(&error))?.assembly;
+        let mut assembly = text.resolve(&keys).map_err(|error| refused(&error))?.assembly;
+        // They follow from the forces of the record.
+        assembly.loads.clear();
+        assembly.pressures.clear();
         Ok(Self {
             parameters,
             assembly,
@@ -87,11 +93,7 @@ impl<'p> Nailer<'p> {
     pub(super) fn error(&self, error: RunError) -> CycleError {
         let p = self.parameters;
         match error {
-            RunError::SpringLimit { limit, .. } => CycleError::SpringRange {
-                lift: p.head_valve.lift,
-                preload: p.head_valve.spring_preload,
-                limit,
-            },
+            RunError::SpringLimit { limit, .. } => spring_range(p, limit),
             RunError::NotSeated { contact, force, .. } if contact == "seat" => CycleError::ValveNotClosed { force },
             RunError::NotSeated { .. } | RunError::NoEquilibrium { .. } => {
                 let (guard, nose) = (p.contacts.guard_stiffness, p.contacts.nose_stiffness);
@@ -138,6 +140,15 @@ impl<'p> Nailer<'p> {
                 cause: other.to_string(),
             },
         }
+    }
+}
+
+/// The error of a closing spring that its stops compress beyond its law.
+fn spring_range(p: &Parameters, limit: f64) -> CycleError {
+    CycleError::SpringRange {
+        lift: p.head_valve.lift,
+        preload: p.head_valve.spring_preload,
+        limit,
     }
 }
 

@@ -13,7 +13,9 @@ mod record;
 mod summary;
 
 use crate::network::{self, RunError};
-use crate::{Compliance, CouplingWork, CycleError, CycleRecord, Parameters, Settings, WoodForces, WoodMotion, Workpiece};
+use crate::{
+    Compliance, CouplingWork, CycleError, CycleRecord, Parameters, Settings, WoodForces, WoodMotion, Workpiece,
+};
 
 use assembly::Nailer;
 

@@ -7,52 +7,43 @@ use super::summary::{events, outcome, summary};
 use crate::network::{FlowHistory, Record};
 use crate::{
     Body, ContactEnergy, CycleError, CycleRecord, EnergyFlow, ExhaustFlow, Forces, Form, Geometry, Motion, Parameters,
-    VentFlow, Volume, Work,
+    Summary, VentFlow, Volume, Work,
 };
 
-/// Histories and integrals of the assembly by name; those of blocks that a design switches off are zero.
-pub(super) struct Named<'r> {
-    record: &'r Record,
+/// Histories of the assembly by name, each of which is moved out once; those of blocks that a design switches off are
+/// zero.
+struct Histories {
+    record: Record,
     samples: usize,
 }
 
-impl<'r> Named<'r> {
-    pub(super) fn new(record: &'r Record) -> Self {
-        let samples = record.channels.first().map_or(0, |channel| channel.values.len());
-        Self { record, samples }
+impl Histories {
+    fn take(&mut self, name: &str) -> Vec<f64> {
+        self.record.take(name).unwrap_or_else(|| vec![0.0; self.samples])
     }
 
-    /// History of a channel.
-    pub(super) fn history(&self, name: &str) -> Vec<f64> {
-        self.record.get(name).map_or_else(|| vec![0.0; self.samples], <[f64]>::to_vec)
-    }
-
-    /// An integral, or an energy of the balance.
-    pub(super) fn integral(&self, name: &str) -> f64 {
-        self.record.integral(name).unwrap_or(0.0)
-    }
-
-    fn body(&self, name: &str) -> Body {
+    fn body(&mut self, name: &str) -> Body {
         Body {
-            position: self.history(&format!("{name}.position")),
-            velocity: self.history(&format!("{name}.velocity")),
-            acceleration: self.history(&format!("{name}.acceleration")),
+            position: self.take(&format!("{name}.position")),
+            velocity: self.take(&format!("{name}.velocity")),
+            acceleration: self.take(&format!("{name}.acceleration")),
         }
     }
 
-    fn volume(&self, name: &str) -> Volume {
+    fn volume(&mut self, name: &str) -> Volume {
         Volume {
-            pressure: self.history(&format!("{name}.pressure")),
-            temperature: self.history(&format!("{name}.temperature")),
-            mass: self.history(&format!("{name}.mass")),
+            pressure: self.take(&format!("{name}.pressure")),
+            temperature: self.take(&format!("{name}.temperature")),
+            mass: self.take(&format!("{name}.mass")),
         }
     }
 
-    fn opening(&self, name: &str) -> Result<&'r FlowHistory, CycleError> {
-        let found = self.record.openings.iter().find(|opening| opening.name == name);
-        found.ok_or_else(|| CycleError::Assembly {
+    fn opening(&mut self, name: &str) -> Result<FlowHistory, CycleError> {
+        let place = self.record.openings.iter().position(|opening| opening.name == name);
+        let place = place.ok_or_else(|| CycleError::Assembly {
             cause: format!("no opening `{name}`"),
-        })
+        })?;
+        Ok(self.record.openings.swap_remove(place))
     }
 }
 
@@ -61,43 +52,48 @@ impl<'r> Named<'r> {
 /// # Errors
 /// [`CycleError::Assembly`] if the assembly does not have both openings.
 pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleError> {
-    let named = Named::new(&record);
+    let samples = record.channels.first().map_or(0, |channel| channel.values.len());
+    let (log, energy) = (log(p, &record), energy(&record));
+    let mut of = Histories { record, samples };
     let volumes = ["above_piston", "below_piston", "return_volume", "above_valve", "supply"];
-    let [above_piston, below_piston, return_volume, above_valve, supply] = volumes.map(|name| named.volume(name));
+    let [above_piston, below_piston, return_volume, above_valve, supply] = volumes.map(|name| of.volume(name));
     let motion = Motion {
-        piston_travel: named.history("piston.travel"),
-        valve_lift: named.history("valve_lift"),
-        tip_depth: named.history("nail.tip"),
-        nail_depth: named.history("nail.deepest"),
-        moving_mass: named.history("piston.moving_mass"),
+        piston_travel: of.take("piston.travel"),
+        valve_lift: of.take("valve_lift"),
+        tip_depth: of.take("nail.tip"),
+        nail_depth: of.take("nail.deepest"),
+        moving_mass: of.take("piston.moving_mass"),
     };
-    let forces = forces(p, &named, [&above_piston, &below_piston, &above_valve, &supply]);
+    let forces = forces(p, &mut of, [&above_piston, &below_piston, &above_valve, &supply]);
     let critical = critical_ratio(p);
-    let (holes, vent) = (named.opening("exhaust")?, named.opening("vent")?);
+    let (holes, vent) = (of.opening("exhaust")?, of.opening("vent")?);
     let choked = |n: usize| {
         motion.valve_lift[n] > p.head_valve.intake_lap && above_piston.pressure[n] < critical * supply.pressure[n]
     };
     let exhaust = ExhaustFlow {
-        mass_flow: holes.mass_flow.clone(),
-        plenum_pressure: holes.pressure.clone(),
-        back_pressure: holes.back_pressure.clone(),
-        stagnation_temperature: holes.temperature.clone(),
-        choked: holes.choked.clone(),
-        intake_choked: (0..named.samples).map(choked).collect(),
-        intake_mass_flow: named.history("intake.mass_flow"),
+        mass_flow: holes.mass_flow,
+        plenum_pressure: holes.pressure,
+        back_pressure: holes.back_pressure,
+        stagnation_temperature: holes.temperature,
+        choked: holes.choked,
+        intake_choked: (0..samples).map(choked).collect(),
+        intake_mass_flow: of.take("intake.mass_flow"),
     };
     let vent = VentFlow {
-        mass_flow: vent.mass_flow.clone(),
+        mass_flow: vent.mass_flow,
         pressure: above_valve.pressure.clone(),
         temperature: above_valve.temperature.clone(),
     };
+    let bodies = ["piston", "head_valve", "tool", "workpiece"];
+    let [piston, head_valve, tool, workpiece] = bodies.map(|name| of.body(name));
+    let record = of.record;
     let effort = record.work;
     let mut view = CycleRecord {
         sample_interval: record.interval.unwrap_or_default(),
-        piston: named.body("piston"),
-        head_valve: named.body("head_valve"),
-        tool: named.body("tool"),
-        workpiece: named.body("workpiece"),
+        piston,
+        head_valve,
+        tool,
+        workpiece,
         motion,
         above_piston,
         below_piston,
@@ -108,10 +104,10 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
         exhaust,
         vent,
         events: events(&record),
-        log: log(p, &record),
+        log,
         outcome: outcome(&record)?,
-        summary: crate::Summary::default(),
-        energy: energy(&named),
+        summary: Summary::default(),
+        energy,
         checks: record.checks.clone(),
         work: Work {
             steps: effort.steps,
@@ -124,11 +120,12 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
             events: effort.events,
         },
     };
-    view.summary = summary(p, &record, &named, &view);
+    view.summary = summary(p, &record, &view);
     if p.model.nail == Form::Corrected {
         // In the published form, the nail ends with its first reversal.
         let (depth, limit) = (view.summary.head_depth.max(0.0), p.nail.overdrive_limit);
-        view.checks.push(Check::at_most("head of the nail below the surface [m]", depth, limit));
+        view.checks
+            .push(Check::at_most("head of the nail below the surface [m]", depth, limit));
     }
     Ok(view)
 }
@@ -139,14 +136,16 @@ pub(super) fn critical_ratio(p: &Parameters) -> f64 {
     (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
 }
 
-fn forces(p: &Parameters, named: &Named<'_>, [above, below, control, supply]: [&Volume; 4]) -> Forces {
+fn forces(p: &Parameters, of: &mut Histories, [above, below, control, supply]: [&Volume; 4]) -> Forces {
     let g = Geometry::new(p);
     let underside = match p.model.valve_underside {
         Form::Corrected => g.valve_cylinder_area,
         Form::Published => 0.0,
     };
-    let history = |force: &dyn Fn(usize) -> f64| (0..named.samples).map(force).collect();
-    let force = |block: &str| named.history(&format!("{block}.force"));
+    let samples = of.samples;
+    let history = |force: &dyn Fn(usize) -> f64| (0..samples).map(force).collect();
+    let magazine = of.take("nail.guide_force");
+    let mut force = |block: &str| of.take(&format!("{block}.force"));
     Forces {
         piston_gas: history(&|n| {
             above.pressure[n] * g.piston_area - below.pressure[n] * g.ring_area - p.ambient.pressure * g.rod_area
@@ -168,13 +167,13 @@ fn forces(p: &Parameters, named: &Named<'_>, [above, below, control, supply]: [&
         guard: force("guard"),
         support: force("support"),
         hand: force("hand"),
-        magazine: named.history("nail.guide_force"),
+        magazine,
         thrust: force("thrust"),
     }
 }
 
-fn energy(named: &Named<'_>) -> EnergyFlow {
-    let of = |name: &str| named.integral(name);
+fn energy(record: &Record) -> EnergyFlow {
+    let of = |name: &str| record.integral(name).unwrap_or(0.0);
     let contact = |name: &str| of(&format!("dashpot.{name}")) + of(&format!("lost.{name}"));
     EnergyFlow {
         gas_start: of("gas.start"),

@@ -1,6 +1,6 @@
 //! Events, outcome and figures of the shot.
 
-use super::record::{Named, critical_ratio};
+use super::record::critical_ratio;
 use crate::network::Record;
 use crate::{CycleError, CycleRecord, Events, Outcome, Parameters, Summary};
 
@@ -40,13 +40,20 @@ pub(super) fn outcome(record: &Record) -> Result<Outcome, CycleError> {
 }
 
 /// Figures of the shot; `view` contains its histories and events.
-pub(super) fn summary(p: &Parameters, record: &Record, named: &Named<'_>, view: &CycleRecord) -> Summary {
+pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Summary {
     let events = &view.events;
     let penetration = view.motion.nail_depth.last().copied().unwrap_or(0.0);
     let full = record.event("full_depth");
     let strike = record.strikes.first();
     let peak = |block: &str| record.peak(block).unwrap_or(0.0);
-    let closings = |block: &str| record.log.iter().filter(|entry| entry.block == block && entry.word == "closes").count();
+    let closings = |block: &str| {
+        record
+            .log
+            .iter()
+            .filter(|entry| entry.block == block && entry.word == "closes")
+            .count()
+    };
+    let mass = |name: &str| record.integral(name).unwrap_or(0.0);
     let critical = critical_ratio(p);
     let part = |window: Option<(f64, f64)>, height: &dyn Fn(usize) -> f64| {
         window.map(|(from, to)| part_above([from, to], view.sample_interval, view.len(), height))
@@ -56,7 +63,9 @@ pub(super) fn summary(p: &Parameters, record: &Record, named: &Named<'_>, view: 
         let mut changes = record.condition_changes.iter();
         changes.find(|change| change.event == "t3" && !change.satisfied && change.time >= t3)
     };
-    let intake = events.t3.map(|t3| (t3, shut(t3).map_or(record.end, |change| change.time)));
+    let intake = events
+        .t3
+        .map(|t3| (t3, shut(t3).map_or(record.end, |change| change.time)));
     let exhaust = events.t13.zip(events.t17);
     let holes = &view.exhaust;
     Summary {
@@ -73,15 +82,19 @@ pub(super) fn summary(p: &Parameters, record: &Record, named: &Named<'_>, view: 
         peak_stopper_force: peak("stopper"),
         peak_support_force: peak("support"),
         peak_nose_force: peak("nose"),
-        exhaust_mass: named.integral("mass.exhaust"),
-        vent_mass: named.integral("mass.vent"),
-        leak_mass: named.integral("mass.leak"),
-        supply_mass: named.integral("mass.refill"),
-        intake_choked_fraction: part(intake, &|n| critical * view.supply.pressure[n] - view.above_piston.pressure[n]),
+        exhaust_mass: mass("mass.exhaust"),
+        vent_mass: mass("mass.vent"),
+        leak_mass: mass("mass.leak"),
+        supply_mass: mass("mass.refill"),
+        intake_choked_fraction: part(intake, &|n| {
+            critical * view.supply.pressure[n] - view.above_piston.pressure[n]
+        }),
         exhaust_chamber_choked_fraction: part(exhaust, &|n| {
             critical * view.above_piston.pressure[n] - p.ambient.pressure
         }),
-        exhaust_choked_fraction: part(exhaust, &|n| critical * holes.plenum_pressure[n] - holes.back_pressure[n]),
+        exhaust_choked_fraction: part(exhaust, &|n| {
+            critical * holes.plenum_pressure[n] - holes.back_pressure[n]
+        }),
         cap_contacts: closings("cap"),
         seat_contacts: closings("seat"),
     }

@@ -262,7 +262,10 @@ impl Audit {
         let lost = old.kinetic + old.elastic - new.kinetic - new.elastic;
         self.outer_jump += old.outer - new.outer;
         let changed = |f: &FastenerPlan| before.0.switches[f.head] != after.0.switches[f.head];
-        let left = plan.fasteners.iter().any(|f| changed(f) && after.0.switches[f.head] == head::LEFT);
+        let left = plan
+            .fasteners
+            .iter()
+            .any(|f| changed(f) && after.0.switches[f.head] == head::LEFT);
         if left || plan.fasteners.iter().any(|f| changed(f) && !f.impact) {
             // The fastener keeps its momentum when left behind; without an impact, it gained it from nowhere.
             self.momentum_jump += new.momentum - old.momentum;

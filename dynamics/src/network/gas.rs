@@ -13,8 +13,6 @@ use nailnoise_penetration::{Dual, Real};
 /// Thesis Eq. 4.28; ISO 6358 uses the same ideal-nozzle form.
 #[derive(Debug, Clone)]
 pub(crate) struct Air {
-    /// R \[J/(kg K)\].
-    pub(crate) gas_constant: f64,
     /// gamma \[-\].
     pub(crate) gamma: f64,
     /// c_p \[J/(kg K)\].
@@ -36,7 +34,6 @@ impl Air {
         let base = 2.0 / (gamma + 1.0);
         let power = base.powf((gamma + 1.0) / (gamma - 1.0));
         let mut air = Self {
-            gas_constant,
             gamma,
             cp: gamma * gas_constant / (gamma - 1.0),
             critical: base.powf(gamma / (gamma - 1.0)),
@@ -296,25 +293,6 @@ impl Air {
         let (n, dn) = self.flow_function(r.value().min(1.0));
         area * up * r.chain(n, dn)
     }
-
-    /// P_m above which holes upstream of a muffler are choked: P_s = P_cr P_m and A_2 P_m = A_3 P_s N(P_a/P_s); none if
-    /// the muffler chokes first.
-    pub(crate) fn choking_pressure(&self, holes: f64, muffler: f64, ambient: f64) -> Option<f64> {
-        let needed = holes / (muffler * self.critical);
-        if needed > 1.0 {
-            return None;
-        }
-        let (mut low, mut high) = (self.critical, 1.0);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.flow_function(middle).0 > needed {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(ambient / (low * self.critical))
-    }
 }
 
 /// State of a flowing gas.
@@ -421,19 +399,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn holes_before_a_muffler_choke_at_the_pressure_told() {
-        let (air, pa) = (air(), 101_325.0);
-        for (holes, muffler) in [(1.4e-4, 3e-4), (1.4e-4, 1e-3)] {
-            let pm = air.choking_pressure(holes, muffler, pa).unwrap();
-            for (factor, choked) in [(0.999, false), (1.001, true)] {
-                let ps = air.intermediate_pressure(holes, muffler, factor * pm, pa, None);
-                assert_eq!(ps < air.critical * factor * pm, choked, "{muffler}");
-            }
-        }
-        assert_eq!(air.choking_pressure(1.4e-4, 2e-4, pa), None);
     }
 
     #[test]

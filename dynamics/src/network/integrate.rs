@@ -16,18 +16,19 @@ use super::equations::Equations;
 use super::error::RunError;
 use super::events::Events;
 use super::linear::LedgerLu;
+use super::locate::locate;
 use super::mode::Mode;
 use super::numerics::Numerics;
 use super::plan::Plan;
 use super::probe::Need;
 use super::rates::Workspace;
-use super::record::{Effort, EventTime, LedgerEntry, LogEntry, Parts, Peak, Record, Recorder, Strike};
+use super::record::{Effort, EventTime, LedgerEntry, LogEntry, Parts, Peak, Record, Strike};
 use super::record::{logged_state, peaked, restriction_name, state_columns};
+use super::recorder::Recorder;
 use super::signals::Signals;
 use super::switching::Slots;
 use super::tolerances::tolerances;
 use super::watch::Watch;
-use super::locate::locate;
 use crate::{Method, WoodMotion};
 
 /// Number of points per step, including its end, at which conditions are checked.
@@ -245,30 +246,37 @@ impl<'p> Run<'p> {
                 self.audit
                     .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
             }
-            self.announce(word, self.t);
+            self.announce_now(word);
         }
     }
 
-    /// Logs a word at a given time and passes it to triggers and events; `y` is the state there.
-    fn announce(&mut self, word: Word, time: f64) {
+    /// Logs a word at the current state and passes it to triggers and events.
+    fn announce_now(&mut self, word: Word) {
+        self.plan.instant(&self.y, &self.mode, &mut self.w);
+        let state = logged_state(self.plan, &self.w);
+        self.announce(word, self.t, state);
+    }
+
+    /// Logs a word at a given time and state and passes it to triggers and events.
+    fn announce(&mut self, word: Word, time: f64, state: Vec<f64>) {
         let plan = self.plan;
         if self.recording {
-            self.note(word, time);
+            self.note(word, time, state.clone());
         }
         for word in self.signals.pass(plan, time, &mut self.mode, word) {
             if self.recording {
-                self.note(word, time);
+                self.note(word, time, state.clone());
             }
         }
     }
 
     /// Logs a word and passes it to the events.
-    fn note(&mut self, word: Word, time: f64) {
+    fn note(&mut self, word: Word, time: f64, state: Vec<f64>) {
         let plan = self.plan;
         let place = self.log.partition_point(|entry| entry.time <= time);
         plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
         let entry = LogEntry {
-            state: logged_state(plan, &self.w),
+            state,
             time,
             block: plan.assembly.name_of(word.block).to_owned(),
             restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
@@ -530,9 +538,11 @@ impl<'p> Run<'p> {
                     Ok(watch.height(i, t, plan, mode, w))
                 };
                 let time = locate(left, t, before, after, height)?;
-                for note in self.watch.pass(i, time, after > 0.0, plan, &self.mode) {
-                    at(time, &mut self.y)?;
-                    self.announce(note.word, note.time);
+                at(time, &mut self.y)?;
+                plan.instant(&self.y, &self.mode, &mut self.w);
+                let here = (time, logged_state(plan, &self.w));
+                for note in self.watch.pass(i, here, after > 0.0, plan, &self.mode) {
+                    self.announce(note.word, note.time, note.state);
                 }
             }
             self.watch.settle(&self.watched[k]);
@@ -667,7 +677,7 @@ impl<'p> Run<'p> {
                     after: self.y[driver],
                 });
             }
-            self.announce(word, self.t);
+            self.announce_now(word);
         }
         plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
@@ -706,7 +716,11 @@ impl<'p> Run<'p> {
                 value: *value,
             })
             .collect();
-        ledger.extend(energies.into_iter().map(|(name, value)| LedgerEntry { name, unit: "J", value }));
+        ledger.extend(
+            energies
+                .into_iter()
+                .map(|(name, value)| LedgerEntry { name, unit: "J", value }),
+        );
         let parts = Parts {
             end: self.t,
             events,

@@ -11,7 +11,7 @@
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
 //! | integration | `numerics`, `integrate`, `equations`, `linear`, `tolerances` |
 //! | two-way coupling | `drive` and `wood` (a body whose motion is prescribed), `coupled` |
-//! | results | `record`, `resistance` (of the work to a fastener), `audit` (conservation) |
+//! | results | `record`, `recorder` (histories), `resistance` (of the work to a fastener), `audit` (conservation) |
 
 pub mod assembly;
 mod audit;
@@ -32,6 +32,7 @@ pub(crate) mod plan;
 mod probe;
 pub(crate) mod rates;
 mod record;
+mod recorder;
 mod resistance;
 mod signals;
 mod start;
@@ -47,8 +48,8 @@ pub use assembly::Assembly;
 pub use error::RunError;
 pub use numerics::Numerics;
 pub use record::{
-    Channel, ConditionChange, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory,
-    Record, StateColumn, Strike,
+    Channel, ConditionChange, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak,
+    PressureHistory, Record, StateColumn, Strike,
 };
 pub use resistance::FastenerResistance;
 pub use text::{

@@ -12,8 +12,8 @@ use super::assembly::{
 };
 use super::drive::{Carrier, Driven};
 use super::error::RunError;
-use super::resistance::ShankLaw;
 use super::gas::Air;
+use super::resistance::ShankLaw;
 
 /// Two bodies between which a block acts; the ground has the index after the last body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

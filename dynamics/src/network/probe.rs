@@ -247,61 +247,67 @@ enum Operation {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Program {
     operations: Vec<Operation>,
-    /// The affine form, if the expression is one quantity, scaled and shifted.
-    affine: Option<Affine>,
+    /// The linear form, if the expression is one.
+    linear: Option<Linear>,
     pub(crate) need: Need,
 }
 
-/// scale q + offset.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Affine {
-    probe: Option<Probe>,
-    scale: f64,
+/// Sum of quantities with factors, and a constant.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Linear {
+    terms: Vec<(f64, Probe)>,
     offset: f64,
 }
 
-impl Affine {
-    /// The affine form of an expression in a single quantity; none for any other.
-    fn new(plan: &Plan, expression: &Expression) -> Option<Self> {
-        let scaled = |a: Self, factor: f64| Self {
-            probe: a.probe,
-            scale: factor * a.scale,
-            offset: factor * a.offset,
-        };
+impl Linear {
+    /// The linear form of an expression; none if it has another form. `sensors` counts the sensors passed on the way.
+    fn new(plan: &Plan, expression: &Expression, sensors: usize) -> Option<Self> {
         match expression {
             Expression::Constant(value) => Some(Self {
-                probe: None,
-                scale: 0.0,
+                terms: Vec::new(),
                 offset: *value,
             }),
             Expression::Channel(channel) => Some(Self {
-                probe: Some(Probe::new(plan, *channel)?),
-                scale: 1.0,
+                terms: vec![(1.0, Probe::new(plan, *channel)?)],
                 offset: 0.0,
             }),
-            Expression::Negative(a) => Some(scaled(Self::new(plan, a)?, -1.0)),
+            Expression::Sensor(index) if sensors <= plan.assembly.sensors.len() => {
+                Self::new(plan, &plan.assembly.sensors.get(*index)?.value, sensors + 1)
+            }
+            Expression::Negative(a) => Some(Self::new(plan, a, sensors)?.scaled(-1.0)),
             Expression::Binary(binary, a, b) => {
-                let (a, b) = (Self::new(plan, a)?, Self::new(plan, b)?);
+                let (a, b) = (Self::new(plan, a, sensors)?, Self::new(plan, b, sensors)?);
                 match binary {
-                    Binary::Add | Binary::Subtract if a.probe.is_none() || b.probe.is_none() => {
-                        let b = if *binary == Binary::Subtract {
-                            scaled(b, -1.0)
-                        } else {
-                            b
-                        };
-                        Some(Self {
-                            probe: a.probe.or(b.probe),
-                            scale: a.scale + b.scale,
-                            offset: a.offset + b.offset,
-                        })
-                    }
-                    Binary::Multiply if a.probe.is_none() => Some(scaled(b, a.offset)),
-                    Binary::Multiply if b.probe.is_none() => Some(scaled(a, b.offset)),
+                    Binary::Add => Some(a.plus(b)),
+                    Binary::Subtract => Some(a.plus(b.scaled(-1.0))),
+                    Binary::Multiply if a.terms.is_empty() => Some(b.scaled(a.offset)),
+                    Binary::Multiply if b.terms.is_empty() => Some(a.scaled(b.offset)),
                     _ => None,
                 }
             }
             Expression::Sensor(_) | Expression::Function(..) => None,
         }
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.terms.iter_mut().for_each(|(scale, _)| *scale *= factor);
+        self.offset *= factor;
+        self
+    }
+
+    fn plus(mut self, other: Self) -> Self {
+        self.terms.extend(other.terms);
+        self.offset += other.offset;
+        self
+    }
+
+    fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
+        let mut terms = self.terms.iter();
+        let Some((scale, probe)) = terms.next() else {
+            return self.offset;
+        };
+        let first = scale * probe.value(plan, mode, w);
+        terms.fold(first, |sum, (scale, probe)| sum + scale * probe.value(plan, mode, w)) + self.offset
     }
 }
 
@@ -310,7 +316,7 @@ impl Program {
     pub(crate) fn new(plan: &Plan, owner: &str, expression: &Expression) -> Result<Self, RunError> {
         let mut program = Self {
             operations: Vec::new(),
-            affine: Affine::new(plan, expression),
+            linear: None,
             need: Need::Instant,
         };
         let deepest = program.push(plan, owner, expression, 0)?;
@@ -320,6 +326,7 @@ impl Program {
                 "is nested too deeply; name a part of it as a sensor",
             ));
         }
+        program.linear = Linear::new(plan, expression, 0);
         Ok(program)
     }
 
@@ -386,13 +393,8 @@ impl Program {
 
     /// The value at an evaluated state.
     pub(crate) fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
-        if let Some(Affine {
-            probe: Some(probe),
-            scale,
-            offset,
-        }) = self.affine
-        {
-            return scale * probe.value(plan, mode, w) + offset;
+        if let Some(linear) = &self.linear {
+            return linear.value(plan, mode, w);
         }
         let mut stack = [0.0; DEPTH];
         let mut height = 0;

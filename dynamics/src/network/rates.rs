@@ -2,11 +2,11 @@
 
 use super::assembly::ForceLaw;
 use super::drive::Carrier;
+use super::gas::Gas;
 use super::kernels::{Damped, Ends, Flow};
 use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
 use super::resistance::interpolate;
-use super::gas::Gas;
 
 /// Quantities of a state; reused between calls.
 #[derive(Debug, Clone)]

@@ -213,6 +213,16 @@ impl Signals {
             return None;
         }
         mode.switches[switch] = u8::from(state);
+        let described = &plan.assembly.triggers[trigger];
+        if described.clear.is_empty() && described.schedule.iter().all(|(_, on)| *on) {
+            // It stays set; what would set it again must not end a step of the integration.
+            let first = self.over;
+            let mut place = 0;
+            self.schedule.retain(|(_, own, _)| {
+                place += 1;
+                place <= first || *own != trigger
+            });
+        }
         for (i, follower) in self.followers.iter().enumerate() {
             if follower.trigger == trigger {
                 self.pending.push(Pending {

@@ -19,10 +19,12 @@ enum Kind {
 }
 
 /// A logged change.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Note {
     pub(crate) time: f64,
     pub(crate) word: Word,
+    /// State at that time, for the log.
+    pub(crate) state: Vec<f64>,
 }
 
 /// Quantities whose sign changes are logged.
@@ -34,7 +36,7 @@ pub(crate) struct Watch {
     /// For each body, the largest speed since its last reversal, and the last reversal after slow motion, which counts
     /// if fast motion follows.
     swing: Vec<f64>,
-    slow: Vec<Option<f64>>,
+    slow: Vec<Option<(f64, Vec<f64>)>>,
 }
 
 impl Watch {
@@ -92,37 +94,39 @@ impl Watch {
         self.last.copy_from_slice(heights);
     }
 
-    /// Processes a change of sign; a reversal of a body counts only if the motion is fast before or after it.
-    pub(crate) fn pass(&mut self, i: usize, time: f64, rising: bool, plan: &Plan, mode: &Mode) -> Vec<Note> {
-        let note = |time, family, index, action| Note {
+    /// Processes a change of sign at a state; a reversal of a body counts only if the motion is fast before or after
+    /// it.
+    pub(crate) fn pass(&mut self, i: usize, at: (f64, Vec<f64>), rising: bool, plan: &Plan, mode: &Mode) -> Vec<Note> {
+        let note = |(time, state), family, index, action| Note {
             time,
             word: Word {
                 block: BlockRef { family, index },
                 restriction: 0,
                 action,
             },
+            state,
         };
         match self.list[i] {
             Kind::Turn { body, .. } => {
-                let turn = |time| note(time, Family::Body, body, Action::Reverses);
+                let turn = |at| note(at, Family::Body, body, Action::Reverses);
                 let slow = std::mem::replace(&mut self.swing[body], 0.0) < REVERSAL_SPEED;
                 match (slow, self.slow[body].take()) {
                     // Two successive slow reversals do not count.
                     (true, Some(_)) => Vec::new(),
                     (true, None) => {
-                        self.slow[body] = Some(time);
+                        self.slow[body] = Some(at);
                         Vec::new()
                     }
-                    (false, earlier) => earlier.into_iter().chain([time]).map(turn).collect(),
+                    (false, earlier) => earlier.into_iter().chain([at]).map(turn).collect(),
                 }
             }
             Kind::Direction(i) if plan.passages[i].is_open(mode) => {
-                vec![note(time, Family::Passage, i, Action::Reverses)]
+                vec![note(at, Family::Passage, i, Action::Reverses)]
             }
             Kind::Direction(_) => Vec::new(),
             Kind::Choking(i) => {
                 let action = if rising { Action::Choked } else { Action::Unchoked };
-                vec![note(time, Family::Passage, i, action)]
+                vec![note(at, Family::Passage, i, action)]
             }
         }
     }

@@ -215,7 +215,12 @@ fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<
 /// All words that a trigger may use, for messages.
 fn all_words(resolver: &Resolver<'_>, passages: &[Passage]) -> Vec<String> {
     let mut all = Vec::new();
-    for block in resolver.names.blocks.iter().filter(|own| own.block.family != Family::Trigger) {
+    for block in resolver
+        .names
+        .blocks
+        .iter()
+        .filter(|own| own.block.family != Family::Trigger)
+    {
         for (action, _) in words(block.block.family) {
             let mut candidates = vec![format!("{} {action}", block.name)];
             if let (Family::Passage, Some(passage)) = (block.block.family, passages.get(block.block.index)) {

@@ -1,0 +1,401 @@
+//! Histories on a uniform grid, under construction.
+
+use super::assembly::{PressurePatch, Space};
+use super::error::RunError;
+use super::mode::Mode;
+use super::plan::{Pair, Plan};
+use super::probe::{Probe, Program};
+use super::rates::Workspace;
+
+/// Source of a history.
+#[derive(Debug, PartialEq)]
+enum Source {
+    Probe(Probe),
+    /// Minus a quantity.
+    Negative(Probe),
+    Program(Program),
+}
+
+impl Source {
+    #[inline]
+    fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
+        match self {
+            Self::Probe(probe) => probe.value(plan, mode, w),
+            Self::Negative(probe) => -probe.value(plan, mode, w),
+            Self::Program(program) => program.value(plan, mode, w),
+        }
+    }
+}
+
+/// Quantities that are copied from the workspace, by the vector that contains them: place in the row, index.
+///
+/// Most histories are such quantities, and one loop for each vector takes a fraction of the time of a `match` for each
+/// history.
+#[derive(Debug, Default)]
+struct Reads {
+    position: Vec<(usize, usize)>,
+    velocity: Vec<(usize, usize)>,
+    acceleration: Vec<(usize, usize)>,
+    travel: Vec<(usize, Pair)>,
+    speed: Vec<(usize, Pair)>,
+    pressure: Vec<(usize, usize)>,
+    temperature: Vec<(usize, usize)>,
+    mass: Vec<(usize, usize)>,
+    mass_flow: Vec<(usize, usize)>,
+    spring: Vec<(usize, usize)>,
+    friction: Vec<(usize, usize)>,
+    imposed: Vec<(usize, usize)>,
+    resistance: Vec<(usize, usize)>,
+    /// Places of all other histories.
+    others: Vec<usize>,
+}
+
+impl Reads {
+    fn new(sources: &[Source]) -> Self {
+        let mut reads = Self::default();
+        for (place, source) in sources.iter().enumerate() {
+            let Source::Probe(probe) = source else {
+                reads.others.push(place);
+                continue;
+            };
+            let (list, index) = match *probe {
+                Probe::Travel(pair) => {
+                    reads.travel.push((place, pair));
+                    continue;
+                }
+                Probe::Speed(pair) => {
+                    reads.speed.push((place, pair));
+                    continue;
+                }
+                Probe::Position(i) => (&mut reads.position, i),
+                Probe::Velocity(i) => (&mut reads.velocity, i),
+                Probe::Acceleration(i) => (&mut reads.acceleration, i),
+                Probe::Pressure(i) => (&mut reads.pressure, i),
+                Probe::Temperature(i) => (&mut reads.temperature, i),
+                Probe::Mass(i) => (&mut reads.mass, i),
+                Probe::MassFlow(i) => (&mut reads.mass_flow, i),
+                Probe::Spring(i) => (&mut reads.spring, i),
+                Probe::Friction(i) => (&mut reads.friction, i),
+                Probe::Imposed(i) => (&mut reads.imposed, i),
+                Probe::Resistance(i) => (&mut reads.resistance, i),
+                _ => {
+                    reads.others.push(place);
+                    continue;
+                }
+            };
+            list.push((place, index));
+        }
+        reads
+    }
+
+    #[inline]
+    fn copy(&self, w: &Workspace, row: &mut [f64]) {
+        let mut all = |list: &[(usize, usize)], values: &[f64]| {
+            for (place, i) in list {
+                row[*place] = values[*i];
+            }
+        };
+        all(&self.position, &w.position);
+        all(&self.velocity, &w.velocity);
+        all(&self.acceleration, &w.acceleration);
+        all(&self.pressure, &w.pressure);
+        all(&self.temperature, &w.temperature);
+        all(&self.mass, &w.mass);
+        all(&self.imposed, &w.imposed);
+        for (place, pair) in &self.travel {
+            row[*place] = w.travel(*pair);
+        }
+        for (place, pair) in &self.speed {
+            row[*place] = w.speed(*pair);
+        }
+        for (place, i) in &self.mass_flow {
+            row[*place] = w.flow[*i].mass;
+        }
+        for (place, i) in &self.spring {
+            row[*place] = w.spring[*i].force;
+        }
+        for (place, i) in &self.friction {
+            row[*place] = w.friction[*i].force;
+        }
+        for (place, i) in &self.resistance {
+            row[*place] = w.fastener[*i][0];
+        }
+    }
+}
+
+/// A named history and its position.
+#[derive(Debug)]
+pub(super) struct Named {
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) place: usize,
+}
+
+/// Positions of an opening's histories.
+#[derive(Debug)]
+pub(super) struct OpeningPlaces {
+    pub(super) name: String,
+    pub(super) mass_flow: usize,
+    pub(super) pressure: usize,
+    pub(super) back_pressure: usize,
+    pub(super) temperature: usize,
+    pub(super) choked: usize,
+}
+
+/// Place of the history on a surface of a body.
+#[derive(Debug)]
+pub(super) struct SurfacePlace {
+    pub(super) body: String,
+    pub(super) surface: String,
+    pub(super) place: usize,
+    /// Pressure below the divide, and the divide.
+    pub(super) divided: Option<[usize; 2]>,
+}
+
+/// Number of samples collected as rows before they are appended to the histories. The histories are far apart in
+/// memory, and each sample would touch as many pages as there are histories.
+const BLOCK: usize = 32;
+
+/// Histories under construction.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    pub(super) interval: Option<f64>,
+    sources: Vec<Source>,
+    reads: Reads,
+    pub(super) histories: Vec<Vec<f64>>,
+    /// Rows not yet appended.
+    block: Vec<f64>,
+    rows: usize,
+    samples: usize,
+    pub(super) columns: Vec<Named>,
+    pub(super) openings: Vec<OpeningPlaces>,
+    pub(super) loads: Vec<SurfacePlace>,
+    pub(super) pressures: Vec<SurfacePlace>,
+}
+
+impl Recorder {
+    /// Histories for all blocks; none without an interval.
+    pub(crate) fn new(plan: &Plan, interval: Option<f64>) -> Result<Self, RunError> {
+        let mut recorder = Self {
+            interval,
+            sources: Vec::new(),
+            reads: Reads::default(),
+            histories: Vec::new(),
+            block: Vec::new(),
+            rows: 0,
+            samples: 0,
+            columns: Vec::new(),
+            openings: Vec::new(),
+            loads: Vec::new(),
+            pressures: Vec::new(),
+        };
+        if let Some(interval) = interval {
+            recorder.describe_gas_and_bodies(plan);
+            recorder.describe_forces(plan);
+            recorder.describe_sensors(plan)?;
+            recorder.describe_openings(plan);
+            recorder.describe_surfaces(plan)?;
+            recorder.reads = Reads::new(&recorder.sources);
+            let n = (plan.assembly.end / interval) as usize + 2;
+            recorder.histories = recorder.sources.iter().map(|_| Vec::with_capacity(n)).collect();
+            recorder.block = vec![0.0; BLOCK * recorder.sources.len()];
+        }
+        Ok(recorder)
+    }
+
+    /// The position of a history; equal ones share it.
+    fn place(&mut self, source: Source) -> usize {
+        if let Some(place) = self.sources.iter().position(|other| *other == source) {
+            return place;
+        }
+        self.sources.push(source);
+        self.sources.len() - 1
+    }
+
+    fn add(&mut self, block: &str, quantity: &str, unit: &str, probe: Probe) {
+        let place = self.place(Source::Probe(probe));
+        self.columns.push(Named {
+            name: format!("{block}.{quantity}"),
+            unit: unit.to_owned(),
+            place,
+        });
+    }
+
+    fn describe_gas_and_bodies(&mut self, plan: &Plan) {
+        let a = &plan.assembly;
+        for (i, body) in a.bodies.iter().enumerate() {
+            let name = &body.name;
+            let on_parent = Pair {
+                on: i,
+                against: plan.bodies[i].parent,
+            };
+            self.add(name, "travel", "m", Probe::Travel(on_parent));
+            self.add(name, "speed", "m/s", Probe::Speed(on_parent));
+            self.add(name, "position", "m", Probe::Position(i));
+            self.add(name, "velocity", "m/s", Probe::Velocity(i));
+            self.add(name, "acceleration", "m/s2", Probe::Acceleration(i));
+            if plan.bodies[i].fastener.is_some() {
+                self.add(name, "moving_mass", "kg", Probe::MovingMass(i));
+            }
+        }
+        for (i, volume) in a.volumes.iter().enumerate() {
+            self.add(&volume.name, "pressure", "Pa", Probe::Pressure(i));
+            self.add(&volume.name, "temperature", "K", Probe::Temperature(i));
+            self.add(&volume.name, "mass", "kg", Probe::Mass(i));
+        }
+        for (i, passage) in a.passages.iter().enumerate() {
+            self.add(&passage.name, "mass_flow", "kg/s", Probe::MassFlow(i));
+            if passage.restrictions.len() > 1 {
+                self.add(
+                    &passage.name,
+                    "plenum",
+                    "Pa",
+                    Probe::Before(i, passage.restrictions.len() - 1),
+                );
+            }
+        }
+    }
+
+    fn describe_forces(&mut self, plan: &Plan) {
+        let a = &plan.assembly;
+        for (i, block) in a.contacts.iter().enumerate() {
+            self.add(&block.name, "force", "N", Probe::Contact(i));
+        }
+        for (i, block) in a.springs.iter().enumerate() {
+            self.add(&block.name, "force", "N", Probe::Spring(i));
+        }
+        for (i, block) in a.frictions.iter().enumerate() {
+            self.add(&block.name, "force", "N", Probe::Friction(i));
+        }
+        for (i, block) in a.forces.iter().enumerate() {
+            self.add(&block.name, "force", "N", Probe::Imposed(i));
+        }
+        for (i, block) in a.motors.iter().enumerate() {
+            self.add(&block.name, "force", "N", Probe::Motor(i));
+        }
+        for (i, block) in a.holds.iter().enumerate() {
+            self.add(&block.name, "force", "N", Probe::Hold(i));
+        }
+        for (i, block) in a.fasteners.iter().enumerate() {
+            self.add(&block.name, "tip", "m", Probe::Tip(i));
+            self.add(&block.name, "deepest", "m", Probe::Deepest(i));
+            self.add(&block.name, "force", "N", Probe::Resistance(i));
+            if block.seated.guide_friction > 0.0 {
+                self.add(&block.name, "guide_force", "N", Probe::Guide(i));
+            }
+        }
+    }
+
+    fn describe_sensors(&mut self, plan: &Plan) -> Result<(), RunError> {
+        for sensor in &plan.assembly.sensors {
+            let program = Program::new(plan, &format!("sensor \"{}\"", sensor.name), &sensor.value)?;
+            let place = self.place(Source::Program(program));
+            self.columns.push(Named {
+                name: sensor.name.clone(),
+                unit: sensor.unit.clone(),
+                place,
+            });
+        }
+        Ok(())
+    }
+
+    fn describe_openings(&mut self, plan: &Plan) {
+        for opening in &plan.assembly.openings {
+            let (i, restriction) = (opening.passage, opening.restriction);
+            let outward = matches!(plan.assembly.passages[i].to, Space::Reservoir(_));
+            let mass_flow = Probe::MassFlow(i);
+            let mut probe = |probe| self.place(Source::Probe(probe));
+            let places = OpeningPlaces {
+                name: opening.name.clone(),
+                mass_flow: 0,
+                pressure: probe(Probe::Before(i, restriction)),
+                back_pressure: probe(Probe::Behind(i, restriction)),
+                temperature: probe(Probe::Upstream(i)),
+                choked: probe(Probe::ChokedAt(i, restriction)),
+            };
+            let source = if outward {
+                Source::Probe(mass_flow)
+            } else {
+                Source::Negative(mass_flow)
+            };
+            let mass_flow = self.place(source);
+            self.openings.push(OpeningPlaces { mass_flow, ..places });
+        }
+    }
+
+    fn describe_surfaces(&mut self, plan: &Plan) -> Result<(), RunError> {
+        let a = &plan.assembly;
+        for load in &a.loads {
+            let body = a.bodies[load.body].name.clone();
+            let owner = format!("load \"{body}.{}\"", load.surface);
+            let place = self.place(Source::Program(Program::new(plan, &owner, &load.force)?));
+            self.loads.push(SurfacePlace {
+                body,
+                surface: load.surface.clone(),
+                place,
+                divided: None,
+            });
+        }
+        let gas = |space: Space| match space {
+            Space::Volume(i) => Source::Probe(Probe::Pressure(i)),
+            Space::Reservoir(i) => Source::Probe(Probe::Pressure(plan.volumes.len() + i)),
+        };
+        for surface in &a.pressures {
+            let body = a.bodies[surface.body].name.clone();
+            let (place, divided) = match &surface.patch {
+                PressurePatch::Uniform(space) => (self.place(gas(*space)), None),
+                PressurePatch::Divided { above, below, at } => {
+                    let owner = format!("pressure \"{body}.{}\"", surface.surface);
+                    let below = self.place(gas(*below));
+                    let at = self.place(Source::Program(Program::new(plan, &owner, at)?));
+                    (self.place(gas(*above)), Some([below, at]))
+                }
+                PressurePatch::Plenum(passage) => {
+                    let last = plan.passages[*passage].restrictions.len() - 1;
+                    (self.place(Source::Probe(Probe::Before(*passage, last))), None)
+                }
+            };
+            self.pressures.push(SurfacePlace {
+                body,
+                surface: surface.surface.clone(),
+                place,
+                divided,
+            });
+        }
+        Ok(())
+    }
+
+    /// Time of the next sample; infinite if nothing is sampled.
+    pub(crate) fn next_time(&self) -> f64 {
+        self.interval
+            .map_or(f64::INFINITY, |interval| self.samples as f64 * interval)
+    }
+
+    /// Appends a sample of a state.
+    pub(crate) fn push(&mut self, plan: &Plan, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
+        plan.instant(y, mode, w);
+        plan.flows(t, mode, w, true);
+        plan.forces(t, mode, w);
+        let width = self.sources.len();
+        let row = &mut self.block[self.rows * width..][..width];
+        self.reads.copy(w, row);
+        for place in &self.reads.others {
+            row[*place] = self.sources[*place].value(plan, mode, w);
+        }
+        self.samples += 1;
+        self.rows += 1;
+        if self.rows == BLOCK {
+            self.flush();
+        }
+    }
+
+    /// Appends the collected rows to the histories.
+    pub(super) fn flush(&mut self) {
+        let width = self.sources.len();
+        for (column, history) in self.histories.iter_mut().enumerate() {
+            let rows = self.block.chunks_exact(width).take(self.rows);
+            history.extend(rows.map(|row| row[column]));
+        }
+        self.rows = 0;
+    }
+}
