@@ -159,7 +159,7 @@ impl<'p> Run<'p> {
             plan,
             numerics,
             slots,
-            recorder: Recorder::new(plan, numerics.sample_interval)?,
+            recorder: Recorder::new(plan, numerics)?,
             mode,
             signals: origin.signals,
             t: 0.0,

@@ -13,6 +13,8 @@ pub struct Numerics {
     pub relative_tolerance: f64,
     /// Sampling interval \[s\]; none to compute only events and ledger.
     pub sample_interval: Option<f64>,
+    /// Names of the channels to record, as `piston.travel`; none for all.
+    pub channels: Option<&'static [&'static str]>,
 }
 
 impl Default for Numerics {
@@ -21,6 +23,7 @@ impl Default for Numerics {
             method: Method::Bdf,
             relative_tolerance: 1e-7,
             sample_interval: Some(4e-6),
+            channels: None,
         }
     }
 }

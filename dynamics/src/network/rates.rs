@@ -172,6 +172,15 @@ impl Plan {
     #[inline]
     pub(crate) fn flows(&self, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
         for (i, passage) in self.passages.iter().enumerate() {
+            if !passage.is_open(mode) {
+                w.flow[i] = Flow {
+                    mass: 0.0,
+                    enthalpy: 0.0,
+                    between: [w.pressure[passage.to]; 2],
+                };
+                w.thrust[i] = 0.0;
+                continue;
+            }
             let air = &self.airs[passage.air];
             let ends = self.ends(i, w);
             let last = near.then(|| w.flow[i].between[0]);

@@ -3,6 +3,7 @@
 use super::assembly::{PressurePatch, Space};
 use super::error::RunError;
 use super::mode::Mode;
+use super::numerics::Numerics;
 use super::plan::{Pair, Plan};
 use super::probe::{Probe, Program};
 use super::rates::Workspace;
@@ -27,7 +28,7 @@ impl Source {
     }
 }
 
-/// Quantities that are copied from the workspace, by the vector that contains them: place in the row, index.
+/// Quantities that are copied from the workspace, by the vector that contains them: place of the history, index.
 ///
 /// Most histories are such quantities, and one loop for each vector takes a fraction of the time of a `match` for each
 /// history.
@@ -46,6 +47,7 @@ struct Reads {
     friction: Vec<(usize, usize)>,
     imposed: Vec<(usize, usize)>,
     resistance: Vec<(usize, usize)>,
+    contact: Vec<(usize, usize)>,
     /// Places of all other histories.
     others: Vec<usize>,
 }
@@ -78,6 +80,7 @@ impl Reads {
                 Probe::Friction(i) => (&mut reads.friction, i),
                 Probe::Imposed(i) => (&mut reads.imposed, i),
                 Probe::Resistance(i) => (&mut reads.resistance, i),
+                Probe::Contact(i) => (&mut reads.contact, i),
                 _ => {
                     reads.others.push(place);
                     continue;
@@ -89,36 +92,37 @@ impl Reads {
     }
 
     #[inline]
-    fn copy(&self, w: &Workspace, row: &mut [f64]) {
-        let mut all = |list: &[(usize, usize)], values: &[f64]| {
-            for (place, i) in list {
-                row[*place] = values[*i];
-            }
-        };
-        all(&self.position, &w.position);
-        all(&self.velocity, &w.velocity);
-        all(&self.acceleration, &w.acceleration);
-        all(&self.pressure, &w.pressure);
-        all(&self.temperature, &w.temperature);
-        all(&self.mass, &w.mass);
-        all(&self.imposed, &w.imposed);
-        for (place, pair) in &self.travel {
-            row[*place] = w.travel(*pair);
+    fn copy(&self, plan: &Plan, w: &Workspace, block: &mut [f64], row: usize) {
+        let mut put = |place: usize, value: f64| block[place * BLOCK + row] = value;
+        for (list, values) in [
+            (&self.position, &w.position),
+            (&self.velocity, &w.velocity),
+            (&self.acceleration, &w.acceleration),
+            (&self.pressure, &w.pressure),
+            (&self.temperature, &w.temperature),
+            (&self.mass, &w.mass),
+            (&self.imposed, &w.imposed),
+        ] {
+            list.iter().for_each(|(place, i)| put(*place, values[*i]));
         }
-        for (place, pair) in &self.speed {
-            row[*place] = w.speed(*pair);
-        }
-        for (place, i) in &self.mass_flow {
-            row[*place] = w.flow[*i].mass;
-        }
-        for (place, i) in &self.spring {
-            row[*place] = w.spring[*i].force;
-        }
-        for (place, i) in &self.friction {
-            row[*place] = w.friction[*i].force;
-        }
-        for (place, i) in &self.resistance {
-            row[*place] = w.fastener[*i][0];
+        self.travel
+            .iter()
+            .for_each(|(place, pair)| put(*place, w.travel(*pair)));
+        self.speed.iter().for_each(|(place, pair)| put(*place, w.speed(*pair)));
+        self.mass_flow
+            .iter()
+            .for_each(|(place, i)| put(*place, w.flow[*i].mass));
+        self.spring
+            .iter()
+            .for_each(|(place, i)| put(*place, w.spring[*i].force));
+        self.friction
+            .iter()
+            .for_each(|(place, i)| put(*place, w.friction[*i].force));
+        self.resistance
+            .iter()
+            .for_each(|(place, i)| put(*place, w.fastener[*i][0]));
+        for (place, i) in &self.contact {
+            put(*place, plan.contacts[*i].side * w.contact[*i].force);
         }
     }
 }
@@ -152,7 +156,7 @@ pub(super) struct SurfacePlace {
     pub(super) divided: Option<[usize; 2]>,
 }
 
-/// Number of samples collected as rows before they are appended to the histories. The histories are far apart in
+/// Number of samples of each history collected before they are appended. The histories are far apart in
 /// memory, and each sample would touch as many pages as there are histories.
 const BLOCK: usize = 32;
 
@@ -160,10 +164,12 @@ const BLOCK: usize = 32;
 #[derive(Debug)]
 pub(crate) struct Recorder {
     pub(super) interval: Option<f64>,
+    /// Names of the channels to record; none for all.
+    wanted: Option<&'static [&'static str]>,
     sources: Vec<Source>,
     reads: Reads,
     pub(super) histories: Vec<Vec<f64>>,
-    /// Rows not yet appended.
+    /// Samples not yet appended, by history.
     block: Vec<f64>,
     rows: usize,
     samples: usize,
@@ -175,9 +181,11 @@ pub(crate) struct Recorder {
 
 impl Recorder {
     /// Histories for all blocks; none without an interval.
-    pub(crate) fn new(plan: &Plan, interval: Option<f64>) -> Result<Self, RunError> {
+    pub(crate) fn new(plan: &Plan, numerics: &Numerics) -> Result<Self, RunError> {
+        let interval = numerics.sample_interval;
         let mut recorder = Self {
             interval,
+            wanted: numerics.channels,
             sources: Vec::new(),
             reads: Reads::default(),
             histories: Vec::new(),
@@ -213,6 +221,10 @@ impl Recorder {
     }
 
     fn add(&mut self, block: &str, quantity: &str, unit: &str, probe: Probe) {
+        let is = |name: &&str| name.strip_prefix(block).and_then(|rest| rest.strip_prefix('.')) == Some(quantity);
+        if self.wanted.is_some_and(|wanted| !wanted.iter().any(is)) {
+            return;
+        }
         let place = self.place(Source::Probe(probe));
         self.columns.push(Named {
             name: format!("{block}.{quantity}"),
@@ -287,7 +299,9 @@ impl Recorder {
     }
 
     fn describe_sensors(&mut self, plan: &Plan) -> Result<(), RunError> {
-        for sensor in &plan.assembly.sensors {
+        let wanted = self.wanted;
+        let is_wanted = |name: &str| wanted.is_none_or(|wanted| wanted.contains(&name));
+        for sensor in plan.assembly.sensors.iter().filter(|sensor| is_wanted(&sensor.name)) {
             let program = Program::new(plan, &format!("sensor \"{}\"", sensor.name), &sensor.value)?;
             let place = self.place(Source::Program(program));
             self.columns.push(Named {
@@ -376,11 +390,10 @@ impl Recorder {
         plan.instant(y, mode, w);
         plan.flows(t, mode, w, true);
         plan.forces(t, mode, w);
-        let width = self.sources.len();
-        let row = &mut self.block[self.rows * width..][..width];
-        self.reads.copy(w, row);
+        let row = self.rows;
+        self.reads.copy(plan, w, &mut self.block, row);
         for place in &self.reads.others {
-            row[*place] = self.sources[*place].value(plan, mode, w);
+            self.block[place * BLOCK + row] = self.sources[*place].value(plan, mode, w);
         }
         self.samples += 1;
         self.rows += 1;
@@ -391,10 +404,8 @@ impl Recorder {
 
     /// Appends the collected rows to the histories.
     pub(super) fn flush(&mut self) {
-        let width = self.sources.len();
-        for (column, history) in self.histories.iter_mut().enumerate() {
-            let rows = self.block.chunks_exact(width).take(self.rows);
-            history.extend(rows.map(|row| row[column]));
+        for (column, history) in self.block.chunks_exact(BLOCK).zip(&mut self.histories) {
+            history.extend_from_slice(&column[..self.rows]);
         }
         self.rows = 0;
     }
