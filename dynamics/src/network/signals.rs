@@ -146,8 +146,10 @@ impl Signals {
                 && t >= time - DUE
             {
                 self.over += 1;
-                self.change(plan, t, mode, trigger, state);
-                continue;
+                match self.change(plan, t, mode, trigger, state) {
+                    Some(word) => return Ok(Some(word)),
+                    None => continue,
+                }
             }
             let Some(place) = self.pending.iter().position(|p| t >= p.time - DUE) else {
                 return Ok(None);
@@ -192,22 +194,25 @@ impl Signals {
         }
     }
 
-    /// Passes a word to the triggers.
-    pub(crate) fn hear(&mut self, plan: &Plan, t: f64, mode: &mut Mode, word: Word) {
+    /// Passes a word to the triggers; returns the words of those that switch.
+    pub(crate) fn hear(&mut self, plan: &Plan, t: f64, mode: &mut Mode, word: Word) -> Vec<Word> {
+        let mut words = Vec::new();
         for (i, trigger) in plan.assembly.triggers.iter().enumerate() {
             if trigger.set.contains(&word) {
-                self.change(plan, t, mode, i, true);
+                words.extend(self.change(plan, t, mode, i, true));
             }
             if trigger.clear.contains(&word) {
-                self.change(plan, t, mode, i, false);
+                words.extend(self.change(plan, t, mode, i, false));
             }
         }
+        words
     }
 
-    fn change(&mut self, plan: &Plan, t: f64, mode: &mut Mode, trigger: usize, state: bool) {
+    /// Switches a trigger; returns the word that it logs if its state changes.
+    fn change(&mut self, plan: &Plan, t: f64, mode: &mut Mode, trigger: usize, state: bool) -> Option<Word> {
         let switch = plan.triggers[trigger];
         if mode.is_on(switch) == state {
-            return;
+            return None;
         }
         mode.switches[switch] = u8::from(state);
         for (i, follower) in self.followers.iter().enumerate() {
@@ -220,6 +225,14 @@ impl Signals {
             }
         }
         self.pending.sort_by(|a, b| a.time.total_cmp(&b.time));
+        Some(Word {
+            block: BlockRef {
+                family: Family::Trigger,
+                index: trigger,
+            },
+            restriction: 0,
+            action: if state { Action::SwitchesOn } else { Action::SwitchesOff },
+        })
     }
 }
 

@@ -116,6 +116,10 @@ pub enum Action {
     Runs,
     /// Motor stops.
     Stops,
+    /// Trigger switches on.
+    SwitchesOn,
+    /// Trigger switches off.
+    SwitchesOff,
 }
 
 impl Action {
@@ -144,6 +148,8 @@ impl Action {
             Self::Releases => "releases",
             Self::Runs => "runs",
             Self::Stops => "stops",
+            Self::SwitchesOn => "switches on",
+            Self::SwitchesOff => "switches off",
         }
     }
 }
