@@ -1,12 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-#[cfg(test)]
-extern crate self as nailnoise_dynamics;
-
 pub mod blow;
-#[cfg(test)]
-#[path = "../tests/common/mod.rs"]
-mod common;
 mod coupling;
 mod energy;
 mod error;

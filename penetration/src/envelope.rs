@@ -37,6 +37,15 @@ impl Envelope {
         }
     }
 
+    /// The same envelope with another stiffness k_w under the head \[N/m\].
+    #[must_use]
+    pub fn with_head_stiffness(self, stiffness: f64) -> Self {
+        Self {
+            head: self.head.with_stiffness(stiffness),
+            ..self
+        }
+    }
+
     /// Shank and tip contribution to E(z) \[N\]; zero at or above the surface. A speed-dependent law is evaluated at
     /// rest, after an impact at the middle of its data range.
     #[inline]

@@ -43,7 +43,8 @@ impl SpeedTerms {
     fn friction(&self, v: f64) -> (f64, f64) {
         // Newton steps may pass through small negative speeds.
         let fall = (self.rest - self.sliding) * (-v.max(-self.width) / self.width).exp();
-        (self.sliding + fall, -fall / self.width)
+        let slope = if v > -self.width { -fall / self.width } else { 0.0 };
+        (self.sliding + fall, slope)
     }
 
     /// 1 + beta lg(v/v_ref) and its derivative.
@@ -141,6 +142,12 @@ impl HeadContact {
             stiffness: wood.head_stiffness_scale * wood.hardness_modulus,
             yield_force: (wood.head_law == HeadLaw::Yields).then_some(wood.head_yield_scale * pull_through),
         }
+    }
+
+    /// The same contact with another stiffness k_w \[N/m\].
+    #[must_use]
+    pub fn with_stiffness(self, stiffness: f64) -> Self {
+        Self { stiffness, ..self }
     }
 
     /// Force at the depth `over` of the head below the surface, continued linearly above it.

@@ -31,7 +31,9 @@ const WORDS: [&str; PenetrationLaw::WORDS.len() + 2] = {
 
 impl ResistanceLaw {
     /// The kind of a key of this type.
-    pub const KIND: Kind = Kind::Choice(&WORDS);
+    pub const KIND: Kind = Kind::Choice(Self::WORDS);
+    /// The words of all laws.
+    pub const WORDS: &'static [&'static str] = &WORDS;
 }
 
 impl Held for ResistanceLaw {

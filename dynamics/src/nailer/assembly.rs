@@ -123,6 +123,10 @@ impl<'p> Nailer<'p> {
         };
         let text = TEXT.as_ref().map_err(refused)?;
         let mut assembly = text.resolve(&keys).map_err(|error| refused(&error))?.assembly;
+        assembly.set_resistance(
+            parameters.penetration_table.as_ref(),
+            parameters.penetration_fit.as_ref(),
+        );
         // They follow from the forces of the record.
         assembly.loads.clear();
         assembly.pressures.clear();
@@ -192,6 +196,9 @@ impl<'p> Nailer<'p> {
                 time,
             },
             RunError::Coupling { time, mismatch, limit } => CycleError::Coupling { time, mismatch, limit },
+            RunError::BeyondFit {
+                speed, lowest, highest, ..
+            } => CycleError::BeyondFit { speed, lowest, highest },
             RunError::Integration { time, cause } => CycleError::Integration { time, cause },
             other => CycleError::Assembly {
                 cause: other.to_string(),

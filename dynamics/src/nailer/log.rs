@@ -34,7 +34,7 @@ const WORDS: [(&str, Crossing, &[&str], &[&str]); 14] = [
     ("nose", Crossing::NoseContact, &["closes"], &["opens"]),
     ("support", Crossing::SupportContact, &["closes"], &["opens"]),
     ("guard", Crossing::Guard, &["closes"], &["opens"]),
-    ("released", Crossing::Trigger, &["clears"], &["sets"]),
+    ("released", Crossing::Trigger, &["switches off"], &["switches on"]),
     ("nail", Crossing::NailDriven, &["struck"], &["left"]),
     ("nail", Crossing::Penetration, &["enters", "reloads"], &["unloads"]),
     ("vent", Crossing::Vent, &["gate opens"], &["gate shuts"]),

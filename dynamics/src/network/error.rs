@@ -114,6 +114,41 @@ pub enum RunError {
         /// Time \[s\].
         time: f64,
     },
+    /// A fitted law of resistance is chosen but not given.
+    #[error("the law \"fitted\" of fastener \"{fastener}\" needs a fitted law; name its file, or choose another law")]
+    NoFit {
+        /// Name of the fastener.
+        fastener: String,
+    },
+    /// A table of resistance ends before the length of the fastener.
+    #[error(
+        "the table of fastener \"{fastener}\" ends at {} mm, its length is {} mm; add points up to its length",
+        1e3 * last,
+        1e3 * length
+    )]
+    TableTooShort {
+        /// Name of the fastener.
+        fastener: String,
+        /// Last depth of the table \[m\].
+        last: f64,
+        /// Length of the fastener \[m\].
+        length: f64,
+    },
+    /// The impact speed exceeds those of the data of a fitted law.
+    #[error(
+        "the driver strikes \"{fastener}\" at {speed} m/s, and its fitted law holds for {lowest} .. {highest} m/s; add \
+         drives at this speed and mass, or fit with --extrapolate to allow it"
+    )]
+    BeyondFit {
+        /// Name of the fastener.
+        fastener: String,
+        /// Impact speed \[m/s\].
+        speed: f64,
+        /// Lowest \[m/s\].
+        lowest: f64,
+        /// Highest \[m/s\].
+        highest: f64,
+    },
     /// A body cannot be replaced by an external structure.
     #[error("the body \"{body}\" {reason}; change it, or set support.coupling = \"one-way\"")]
     Workpiece {

@@ -668,6 +668,9 @@ impl<'p> Run<'p> {
             self.work.events += 1;
         }
         if let Some(word) = word {
+            if word.action == Action::Struck {
+                self.check_fit(word.block.index)?;
+            }
             if self.recording && word.action == Action::Struck && word.block.family == Family::Fastener {
                 let driver = 2 * plan.fasteners[word.block.index].stroke.on + 1;
                 self.strikes.push(Strike {
@@ -685,6 +688,22 @@ impl<'p> Run<'p> {
             *armed = self.right[other] > self.slots.event_tolerances[other] || (other != slot && *armed);
         }
         Ok(())
+    }
+
+    /// Rejects an impact speed outside the data of a fitted law.
+    fn check_fit(&self, fastener: usize) -> Result<(), RunError> {
+        let plan = &self.plan.fasteners[fastener];
+        let Some(law) = plan.law.fitted() else { return Ok(()) };
+        let ([lowest, highest], speed) = (law.impacts(), self.mode.memory[plan.impact_speed]);
+        if (lowest..=highest).contains(&speed) {
+            return Ok(());
+        }
+        Err(RunError::BeyondFit {
+            fastener: self.plan.assembly.fasteners[fastener].name.clone(),
+            speed,
+            lowest,
+            highest,
+        })
     }
 
     /// Ends the record.

@@ -433,7 +433,7 @@ impl Plan {
         }
         for fastener in &self.fasteners {
             let [x, v] = seeded(w.travel(fastener.work), w.speed(fastener.work));
-            let force = fastener.force(mode, x - fastener.tip_at);
+            let force = fastener.force(mode, x - fastener.tip_at, v);
             let power = Some((fastener.penetration, force * v));
             let pair = fastener.work;
             visit(&Element {
@@ -506,9 +506,11 @@ mod tests {
         for contact in plan.contacts.iter().filter(|contact| !contact.carries) {
             mode.switches[contact.switch] = 1;
         }
-        let fastener = &plan.fasteners[0];
-        mode.switches[fastener.head] = head::ATTACHED;
-        mode.switches[fastener.depth] = crate::network::mode::depth::LOADING;
+        for fastener in &plan.fasteners {
+            mode.switches[fastener.head] = head::ATTACHED;
+            mode.switches[fastener.depth] = crate::network::mode::depth::LOADING;
+            mode.memory[fastener.impact_speed] = 20.0;
+        }
         (origin.y, mode)
     }
 
@@ -516,6 +518,20 @@ mod tests {
     fn every_kind_of_block_has_the_derivatives_of_differences() {
         let plan = Plan::new(&everything()).unwrap();
         let (y, mode) = acting(&plan);
+        assert_differences(&plan, &y, &mode);
+    }
+
+    #[test]
+    fn a_sunk_head_has_the_derivatives_of_differences() {
+        let mut assembly = everything();
+        for fastener in &mut assembly.fasteners {
+            fastener.length = 5e-3;
+        }
+        let plan = Plan::new(&assembly).unwrap();
+        let (y, mut mode) = acting(&plan);
+        for fastener in &plan.fasteners {
+            mode.switches[fastener.depth] = crate::network::mode::depth::SEATED;
+        }
         assert_differences(&plan, &y, &mode);
     }
 

@@ -209,30 +209,37 @@ impl HoldPlan {
 }
 
 impl FastenerPlan {
-    /// F_r(z), smoothly continued above the surface \[N\].
+    /// F_r(z, v) after an impact, smoothly continued above the surface \[N\].
     #[inline]
-    fn shank<S: Real>(&self, z: S) -> S {
+    fn shank<S: Real>(&self, z: S, v: S, impact: f64) -> S {
         match &self.law {
-            ShankLaw::Wood(curve) => curve.evaluate(z),
+            ShankLaw::Solid(curve) => curve.evaluate(z),
             ShankLaw::Constant(force) => S::constant(*force),
             ShankLaw::Table(points) => {
                 let (force, slope) = interpolate(points, z.value());
                 z.chain(force, slope)
             }
+            ShankLaw::Envelope(envelope) => envelope.law().evaluate(z, v, impact),
         }
     }
 
-    /// Force along the shank with the head on the surface \[N\].
-    fn seated_shank(&self) -> f64 {
-        if self.reversible { 0.0 } else { self.shank(self.length) }
+    /// Force beyond the length, where the head sinks into the work \[N\].
+    #[inline]
+    fn seated<S: Real>(&self, z: S, v: S, impact: f64) -> S {
+        let sunk = z - self.length;
+        match &self.law {
+            ShankLaw::Envelope(envelope) => envelope.head_at(z) + envelope.seated(v, impact),
+            _ if self.reversible => sunk * self.head_stiffness,
+            _ => sunk * self.head_stiffness + self.shank(self.length, 0.0, impact),
+        }
     }
 
-    /// Force of the workpiece on the driver, upwards, in a mode of the fastener \[N\].
+    /// Force of the workpiece on the driver, upwards, at depth z and its rate v in a mode of the fastener \[N\].
     #[inline]
-    pub(crate) fn force<S: Real>(&self, mode: &Mode, z: S) -> S {
+    pub(crate) fn force<S: Real>(&self, mode: &Mode, z: S, v: S) -> S {
         match mode.switches[self.depth] {
-            depth::LOADING => self.shank(z),
-            depth::SEATED => (z - self.length) * self.head_stiffness + self.seated_shank(),
+            depth::LOADING => self.shank(z, v, mode.memory[self.impact_speed]),
+            depth::SEATED => self.seated(z, v, mode.memory[self.impact_speed]),
             depth::UNLOADING => {
                 let [deepest, force] = [mode.memory[self.deepest], mode.memory[self.deepest + 1]];
                 (z - deepest) * self.unloading + force
@@ -241,14 +248,15 @@ impl FastenerPlan {
         }
     }
 
-    /// E(z) \[N\].
-    pub(crate) fn envelope(&self, z: f64) -> f64 {
+    /// E(z) at rest after the impact of a mode \[N\].
+    pub(crate) fn envelope(&self, mode: &Mode, z: f64) -> f64 {
+        let impact = mode.memory[self.impact_speed];
         if z <= 0.0 {
             0.0
         } else if z > self.length {
-            self.seated_shank() + self.head_stiffness * (z - self.length)
+            self.seated(z, 0.0, impact)
         } else {
-            self.shank(z)
+            self.shank(z, 0.0, impact)
         }
     }
 

@@ -11,7 +11,7 @@ use super::plan::Plan;
 pub(crate) struct Mode {
     /// 0 or 1; a fastener uses the values of [`head`] and [`depth`].
     pub(crate) switches: Vec<u8>,
-    /// Travel at which a latch caught; deepest depth and force of a fastener.
+    /// Travel at which a latch caught; deepest depth, force and impact speed of a fastener.
     pub(crate) memory: Vec<f64>,
     /// Motion of a workpiece that an external structure prescribes.
     pub(crate) wood: Option<Drive>,
@@ -57,6 +57,9 @@ impl Mode {
         let mut memory = vec![0.0; plan.memories];
         for hold in &plan.holds {
             memory[hold.place] = hold.at;
+        }
+        for fastener in &plan.fasteners {
+            memory[fastener.impact_speed] = fastener.law.usual_impact();
         }
         Self {
             switches: vec![0; plan.switches],

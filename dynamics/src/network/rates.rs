@@ -295,7 +295,8 @@ impl Plan {
             };
         }
         for (i, fastener) in self.fasteners.iter().enumerate() {
-            let resistance = fastener.force(mode, w.travel(fastener.work) - fastener.tip_at);
+            let (x, v) = (w.travel(fastener.work), w.speed(fastener.work));
+            let resistance = fastener.force(mode, x - fastener.tip_at, v);
             let guided = fastener.guide_loss.is_some() && mode.switches[fastener.head] == head::ATTACHED;
             let guide = if guided {
                 fastener.guide(w.speed(fastener.guide))

@@ -1,15 +1,18 @@
 //! Resistance of the work to a fastener.
 
-use nailnoise_penetration::{Curve, PenetrationLaw};
+use nailnoise_penetration::fit::LawOfDrive;
+use nailnoise_penetration::{Curve, Envelope, PenetrationLaw};
 
 use super::assembly::{Fastener, FastenerLaw};
 
 /// Law of the resistance along the shank.
 #[derive(Debug, Clone)]
 pub(crate) enum ShankLaw {
-    Wood(Curve),
+    Solid(Curve),
     Constant(f64),
     Table(Vec<[f64; 2]>),
+    /// Over depth and speed, with the force under the head.
+    Envelope(Box<Envelope>),
 }
 
 impl ShankLaw {
@@ -19,15 +22,32 @@ impl ShankLaw {
                 let mut root = [0.0; 8];
                 root.copy_from_slice(&PenetrationLaw::SolidWood.coefficients()[..8]);
                 root[0] += offset;
-                Self::Wood(Curve::of(root, fastener.length, hardness * fastener.length))
+                Self::Solid(Curve::of(root, fastener.length, hardness * fastener.length))
             }
             FastenerLaw::Constant(force) => Self::Constant(*force),
             FastenerLaw::Table(points) => Self::Table(points.clone()),
+            FastenerLaw::Wood(wood) => Self::Envelope(Box::new(wood.envelope(fastener))),
+        }
+    }
+
+    /// Impact speed of the driver that is assumed if none is known \[m/s\].
+    pub(crate) fn usual_impact(&self) -> f64 {
+        match self {
+            Self::Envelope(envelope) => envelope.usual_impact(),
+            _ => 0.0,
+        }
+    }
+
+    /// The fitted law, if one is used.
+    pub(crate) fn fitted(&self) -> Option<&LawOfDrive> {
+        match self {
+            Self::Envelope(envelope) => envelope.law().fitted(),
+            _ => None,
         }
     }
 }
 
-/// Resistance of the work over the depth z of a fastener's tip, on the way in.
+/// Resistance of the work over the depth z of a fastener's tip, on the way in; a law over the speed is evaluated at rest.
 ///
 /// ```text
 /// E(z) = F_r(min(z, l)) + k_h max(0, z - l)
@@ -59,15 +79,19 @@ impl FastenerResistance {
         }
         let embedded = depth.min(self.length);
         match &self.law {
-            ShankLaw::Wood(curve) => curve.evaluate(embedded),
+            ShankLaw::Solid(curve) => curve.evaluate(embedded),
             ShankLaw::Constant(force) => *force,
             ShankLaw::Table(points) => interpolate(points, embedded).0,
+            ShankLaw::Envelope(envelope) => envelope.shank(embedded),
         }
     }
 
     /// Force under the head with the tip at `depth` \[m\] \[N\].
     pub fn head(&self, depth: f64) -> f64 {
-        self.head_stiffness * (depth - self.length).max(0.0)
+        match &self.law {
+            ShankLaw::Envelope(envelope) => envelope.head(depth),
+            _ => self.head_stiffness * (depth - self.length).max(0.0),
+        }
     }
 }
 

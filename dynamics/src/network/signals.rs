@@ -146,10 +146,10 @@ impl Signals {
                 && t >= time - DUE
             {
                 self.over += 1;
-                if let Some(word) = self.change(plan, t, mode, trigger, state) {
-                    return Ok(Some(word));
+                match self.change(plan, t, mode, trigger, state) {
+                    Some(word) => return Ok(Some(word)),
+                    None => continue,
                 }
-                continue;
             }
             let Some(place) = self.pending.iter().position(|p| t >= p.time - DUE) else {
                 return Ok(None);
@@ -207,6 +207,7 @@ impl Signals {
         words
     }
 
+    /// Switches a trigger; returns the word that it logs if its state changes.
     fn change(&mut self, plan: &Plan, t: f64, mode: &mut Mode, trigger: usize, state: bool) -> Option<Word> {
         let switch = plan.triggers[trigger];
         if mode.is_on(switch) == state {
@@ -239,7 +240,7 @@ impl Signals {
                 index: trigger,
             },
             restriction: 0,
-            action: if state { Action::Sets } else { Action::Clears },
+            action: if state { Action::SwitchesOn } else { Action::SwitchesOff },
         })
     }
 }

@@ -225,6 +225,7 @@ impl Slot {
             Self::Head(i) => {
                 let fastener = &plan.fasteners[*i];
                 let action = if mode.switches[fastener.head] == head::WAITING {
+                    mode.memory[fastener.impact_speed] = w.speed(fastener.work);
                     if fastener.impact {
                         // Plastic impact on the fastener at rest.
                         let mass = plan.bodies[fastener.stroke.on].mass;
@@ -268,7 +269,7 @@ impl Slot {
                     depth::LOADING | depth::SEATED => {
                         let z = plan.depth(*i, w);
                         mode.memory[fastener.deepest] = z;
-                        mode.memory[fastener.deepest + 1] = fastener.envelope(z);
+                        mode.memory[fastener.deepest + 1] = fastener.envelope(mode, z);
                         mode.switches[fastener.depth] = depth::UNLOADING;
                         return Some(word(Family::Fastener, *i, 0, Action::Unloads));
                     }

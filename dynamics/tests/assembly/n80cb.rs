@@ -6,9 +6,10 @@ use nailnoise_dynamics::network::assembly::{
     SpringLaw, Start,
 };
 use nailnoise_dynamics::{Geometry, Parameters};
+use nailnoise_penetration::{HeadLaw, RateLaw, ResistanceLaw};
 
 use crate::common;
-use crate::keys::keys;
+use crate::n80cb_assembly::keys::keys;
 
 fn assembly(parameters: &Parameters) -> Assembly {
     let text = AssemblyText::open_design(&[]).unwrap_or_else(|error| panic!("{error}; {}", error.help()));
@@ -164,19 +165,32 @@ fn passages_have_their_areas_coefficients_and_delays() {
 }
 
 #[test]
-fn the_nail_meets_the_law_of_solid_wood() {
-    let p = common::n80cb();
+fn the_nail_meets_the_wood_of_the_keys() {
+    let mut p = common::n80cb();
+    p.nail.legs = 2;
+    p.nail.coating = 0.7;
+    p.wood.rate = RateLaw::Speed;
+    p.wood.head_law = HeadLaw::Yields;
+    p.wood.penetration_law = ResistanceLaw::Constant;
     let a = assembly(&p);
     let nail = &a.fasteners[0];
-    let FastenerLaw::SolidWood { hardness, offset } = nail.law else {
+    let FastenerLaw::Wood(law) = &nail.law else {
         panic!("{:?}", nail.law)
     };
+    // Properties that the law does not use.
+    let mut expected = p.wood.clone();
+    expected.quasi_static.head_stiffness_scale = 1.0;
+    expected.quasi_static.unloading_stiffness = 1.0;
+    expected.shear_speed = law.wood.shear_speed;
+    assert_eq!(law.wood, expected);
+    assert_eq!((law.legs, law.table.is_some(), law.fit.is_some()), (2, false, false));
     let w = &p.wood;
-    let expected = w.speed_term * p.nail.length * w.density / w.hardness_modulus
-        + w.slenderness_term * p.nail.diameter / p.nail.length;
     all_same(&[
-        ("H", hardness, w.hardness_modulus * w.resistance_scale),
-        ("offset", offset, expected),
+        ("D", law.diameter, p.nail.diameter),
+        ("D_h", law.head_diameter, p.nail.head_diameter),
+        ("M_p", law.driving_mass, p.piston.mass),
+        ("phi", law.friction_share, p.friction_share),
+        ("q", law.coating, 0.7),
         (
             "k_h",
             nail.seated.head_stiffness,
@@ -185,6 +199,10 @@ fn the_nail_meets_the_law_of_solid_wood() {
         ("k_u", nail.seated.unloading, w.unloading_stiffness),
     ]);
     assert!(nail.impact && !nail.reversible);
+    let (own, old) = (law.envelope(nail), p.penetration_envelope());
+    for depth in [0.01, 0.5, 0.999, 1.1].map(|part| part * p.nail.length) {
+        assert_eq!(own.force(depth), old.force(depth), "{depth}");
+    }
 }
 
 #[test]

@@ -11,6 +11,10 @@ pub(crate) fn n80cb_assembly(parameters: &Parameters, end: f64, tail: f64) -> As
     let text = AssemblyText::open_design(&[]).unwrap_or_else(|error| panic!("{error}"));
     let resolved = text.resolve(&keys::keys(parameters));
     let mut assembly = resolved.unwrap_or_else(|error| panic!("{error}")).assembly;
+    assembly.set_resistance(
+        parameters.penetration_table.as_ref(),
+        parameters.penetration_fit.as_ref(),
+    );
     assembly.end = end;
     if let Some(finish) = &mut assembly.finish {
         finish.tail = tail;

@@ -74,7 +74,7 @@ static STAPLER: LazyLock<Coupled> = LazyLock::new(|| {
     coupled(&tool, lumped(&tool, 4e-6), 4e-6)
 });
 
-/// The fixed cycle on the same mass, with the work that the mass received \[J\].
+/// The record of the keys on the same mass, with the work that the mass received \[J\].
 static FIXED: LazyLock<(CycleRecord, f64)> = LazyLock::new(|| {
     let (parameters, settings) = (n80cb(), Settings::default());
     let mut mass: Mass<CycleError> = n80cb_block(&parameters, settings.sample_interval);
@@ -96,7 +96,7 @@ fn agree(what: &str, found: &[f64], expected: &[f64], part: f64) {
 }
 
 #[test]
-fn the_n80cb_has_the_events_of_the_fixed_cycle_on_the_same_workpiece() {
+fn the_n80cb_has_the_events_of_the_record_of_its_keys_on_the_same_workpiece() {
     let Coupled { record, .. } = &*N80CB;
     let (fixed, _) = &*FIXED;
     for (i, time) in fixed.events.to_array().into_iter().enumerate() {
@@ -110,7 +110,7 @@ fn the_n80cb_has_the_events_of_the_fixed_cycle_on_the_same_workpiece() {
 }
 
 #[test]
-fn the_forces_on_the_workpiece_are_those_of_the_fixed_cycle() {
+fn the_forces_on_the_workpiece_are_those_of_the_record_of_the_keys() {
     let record = &N80CB.record;
     let fixed = &FIXED.0;
     let of = |name: &str| record.get(name).unwrap();

@@ -13,7 +13,6 @@ mod expansion;
 mod laws;
 #[path = "../common/mass.rs"]
 mod mass;
-mod n80cb;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;
 mod random;

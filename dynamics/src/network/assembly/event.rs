@@ -116,10 +116,10 @@ pub enum Action {
     Runs,
     /// Motor stops.
     Stops,
-    /// Trigger becomes true.
-    Sets,
-    /// Trigger becomes false.
-    Clears,
+    /// Trigger switches on.
+    SwitchesOn,
+    /// Trigger switches off.
+    SwitchesOff,
 }
 
 impl Action {
@@ -148,8 +148,8 @@ impl Action {
             Self::Releases => "releases",
             Self::Runs => "runs",
             Self::Stops => "stops",
-            Self::Sets => "sets",
-            Self::Clears => "clears",
+            Self::SwitchesOn => "switches on",
+            Self::SwitchesOff => "switches off",
         }
     }
 }

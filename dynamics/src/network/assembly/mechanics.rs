@@ -1,5 +1,7 @@
 //! Bodies and the forces between them.
 
+use nailnoise_penetration::fit::FittedLaw;
+use nailnoise_penetration::{Driven, Envelope, ForceTable, NailedWood, Shanks, Specimen};
 use serde::Serialize;
 
 use super::Base;
@@ -271,6 +273,58 @@ pub enum FastenerLaw {
     Constant(f64),
     /// (z \[m\], F \[N\]), linear between the points.
     Table(Vec<[f64; 2]>),
+    /// A wood by its properties, with effects of speed, coating and head.
+    Wood(Box<WoodLaw>),
+}
+
+/// Resistance of a wood by the keys of a design. Tables and fitted laws, which no formula gives, replace `table` and
+/// `fit` of a resolved assembly.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WoodLaw {
+    /// The wood. Its stiffnesses under the head and of unloading are not used: [`Seated`] has those of the fastener.
+    pub wood: NailedWood,
+    /// Tabulated resistance, in place of the law of the wood.
+    pub table: Option<ForceTable>,
+    /// The law of the word `fitted`.
+    pub fit: Option<FittedLaw>,
+    /// Diameter of the shank \[m\].
+    pub diameter: f64,
+    /// Diameter of the head \[m\].
+    pub head_diameter: f64,
+    /// Mass that drives the fastener, for a fitted law \[kg\].
+    pub driving_mass: f64,
+    /// Number of shanks.
+    pub legs: u32,
+    /// Friction along the shank as a share of the resistance at full depth.
+    pub friction_share: f64,
+    /// Factor of a coating on that friction.
+    pub coating: f64,
+}
+
+impl WoodLaw {
+    /// The envelope of the resistance to a fastener.
+    pub fn envelope(&self, fastener: &Fastener) -> Envelope {
+        let specimen = Specimen {
+            length: fastener.length,
+            diameter: self.diameter,
+            hardness_modulus: self.wood.hardness_modulus,
+            density: self.wood.density,
+        };
+        let driven = Driven {
+            wood: &self.wood,
+            table: self.table.as_ref(),
+            fit: self.fit.as_ref(),
+            specimen: &specimen,
+            mass: self.driving_mass,
+            shanks: Shanks {
+                legs: self.legs,
+                friction_share: self.friction_share,
+                coating: self.coating,
+            },
+        };
+        Envelope::new(&driven, self.head_diameter, !fastener.reversible)
+            .with_head_stiffness(fastener.seated.head_stiffness)
+    }
 }
 
 /// Head and unloading of a fastener.

@@ -3,6 +3,8 @@
 //! Coordinates: +y points down the tool's axis, towards the workpiece; t = 0 is the start of the record. Blocks that a
 //! design switches off are omitted. Each list is in the order of the file.
 
+use nailnoise_penetration::ForceTable;
+use nailnoise_penetration::fit::FittedLaw;
 use serde::Serialize;
 
 mod event;
@@ -17,7 +19,7 @@ pub use expression::{Binary, Channel, Comparison, Expression, Function, Quantity
 pub use gas::{Coefficient, Cone, Face, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Volume, Wall};
 pub use mechanics::{
     Body, Contact, ContactDamping, Fastener, FastenerLaw, Force, ForceLaw, Friction, Hold, Motor, Push, Seated, Spring,
-    SpringLaw, Start, Stop, Weights,
+    SpringLaw, Start, Stop, Weights, WoodLaw,
 };
 pub use output::{Load, Opening, PressurePatch, PressureSurface};
 pub use reference::{Base, BlockRef, Family, Space};
@@ -103,6 +105,18 @@ impl Assembly {
             Family::Trigger => self.triggers.get(i).map(|b| &b.name),
         };
         name.map_or("", |name| name)
+    }
+}
+
+impl Assembly {
+    /// Gives the fasteners in a wood the table and the fitted law of a design, which no formula can give.
+    pub fn set_resistance(&mut self, table: Option<&ForceTable>, fit: Option<&FittedLaw>) {
+        for fastener in &mut self.fasteners {
+            if let FastenerLaw::Wood(law) = &mut fastener.law {
+                law.table = table.cloned();
+                law.fit = fit.cloned();
+            }
+        }
     }
 }
 

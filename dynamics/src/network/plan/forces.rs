@@ -171,6 +171,7 @@ pub(super) fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
             head: c.switch(),
             depth: c.switch(),
             deepest: c.memory(2),
+            impact_speed: c.memory(1),
             penetration: c.integral(format!("penetration.{}", f.name), "J"),
             guide_loss: (f.seated.guide_friction > 0.0).then(|| c.integral(format!("guide.{}", f.name), "J")),
         })

@@ -140,6 +140,8 @@ pub(crate) struct FastenerPlan {
     pub(crate) depth: usize,
     /// Memory of the deepest depth z*, followed by that of the force f*.
     pub(crate) deepest: usize,
+    /// Memory of the driver's speed into the work just before the impact.
+    pub(crate) impact_speed: usize,
     pub(crate) penetration: usize,
     pub(crate) guide_loss: Option<usize>,
 }

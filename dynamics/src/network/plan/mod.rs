@@ -17,16 +17,20 @@ mod gas;
 mod mechanics;
 mod passages;
 
-use super::assembly::{Assembly, Ledger};
+use super::assembly::{Assembly, FastenerLaw, Ledger};
 use super::drive::{Carrier, Driven};
 use super::error::RunError;
 use crate::network::gas::Air;
 use compiler::{Compiler, LedgerItem};
+use nailnoise_penetration::ResistanceLaw;
 
 pub(crate) use gas::{AreaPlan, CoefficientPlan, FacePlan, PassagePlan, RestrictionPlan, VolumeLedger, VolumePlan};
 pub(crate) use mechanics::{
     BodyPlan, ContactPlan, FastenerPlan, ForcePlan, FrictionPlan, HoldPlan, MotorPlan, Pair, SpringPlan,
 };
+
+/// Part of a fastener's length that its table of resistance may end before.
+const ROUNDING: f64 = 1e-9;
 
 /// A compiled assembly.
 #[derive(Debug, Clone)]
@@ -98,7 +102,7 @@ impl Plan {
     ///
     /// # Errors
     /// [`RunError::Passage`] for a series that no kernel supports; [`RunError::SpringLimit`] for a spring whose law
-    /// does not extend to a stop.
+    /// does not extend to a stop; [`RunError::NoFit`] and [`RunError::TableTooShort`] for a law of resistance.
     pub(crate) fn new(assembly: &Assembly) -> Result<Self, RunError> {
         Self::compile(assembly, None)
     }
@@ -206,7 +210,33 @@ impl Plan {
             assembly: assembly.clone(),
         };
         plan.check_springs()?;
+        plan.check_fasteners()?;
         Ok(plan)
+    }
+
+    /// Rejects laws of resistance that are not given, or not over the length of their fastener.
+    fn check_fasteners(&self) -> Result<(), RunError> {
+        for described in &self.assembly.fasteners {
+            let FastenerLaw::Wood(law) = &described.law else {
+                continue;
+            };
+            match &law.table {
+                None if law.wood.penetration_law == ResistanceLaw::Fitted && law.fit.is_none() => {
+                    return Err(RunError::NoFit {
+                        fastener: described.name.clone(),
+                    });
+                }
+                Some(table) if table.last_depth() < described.length * (1.0 - ROUNDING) => {
+                    return Err(RunError::TableTooShort {
+                        fastener: described.name.clone(),
+                        last: table.last_depth(),
+                        length: described.length,
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Rejects springs that a stop of the same pair allows to exceed their law.

@@ -104,6 +104,7 @@ pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Troubl
             let arguments = arguments.iter().map(scalar).collect::<Result<Vec<_>, _>>()?;
             Compiled::Scalar(call(*function, arguments)?)
         }
+        Term::Either(terms) => return choose(terms, scope),
         Term::Compare(relation, left, right) => {
             return compare(*relation, compile(left, scope)?, compile(right, scope)?);
         }
@@ -126,6 +127,33 @@ pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Troubl
                 ));
             }
         },
+    })
+}
+
+/// The value that a condition over keys selects; both have the same kind and dimension.
+fn choose(terms: &[Term; 3], scope: &dyn Scope) -> Result<Compiled, Trouble> {
+    let [condition, yes, no] = terms;
+    let Compiled::Truth(satisfied) = compile(condition, scope)? else {
+        return Err(Trouble::here(
+            "`if` takes a condition over keys first",
+            "write if(hand.mass > 0, a, b)",
+        ));
+    };
+    let (yes, no) = (compile(yes, scope)?, compile(no, scope)?);
+    let mut dimension = None;
+    match (&yes, &no) {
+        (Compiled::Scalar(yes), Compiled::Scalar(no)) => dimension = common("it chooses between", yes, no)?,
+        (Compiled::Word(_), Compiled::Word(_)) | (Compiled::Truth(_), Compiled::Truth(_)) => {}
+        _ => {
+            return Err(Trouble::here(
+                "`if` chooses between values of different kinds",
+                "give two numbers or two words",
+            ));
+        }
+    }
+    Ok(match if satisfied { yes } else { no } {
+        Compiled::Scalar(scalar) => Compiled::Scalar(Scalar { dimension, ..scalar }),
+        other => other,
     })
 }
 

@@ -1,12 +1,12 @@
 //! Typed access to the fields of a block.
 
-use nailnoise_quantities::Kind;
+use nailnoise_quantities::{Held, Kind, Value};
 
 use super::compile::Compiled;
 use super::fault::{AssemblyError, Fault};
 use super::layers::dotted;
 use super::node::{Node, Spot, Tree};
-use super::resolver::{KeyScope, Resolver};
+use super::resolver::{KeyScope, Resolver, kind_of};
 use super::table::{FieldSpec, FieldType, TableSpec};
 use crate::network::assembly::{Base, BlockRef, Family, Push, Space};
 
@@ -197,15 +197,49 @@ impl<'r, 'a> Fields<'r, 'a> {
             .ok_or_else(|| self.wrong(key, &self.expected(key)))
     }
 
-    /// One of some words.
+    /// One of some words, or a formula over keys that gives one.
     pub(super) fn word<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, AssemblyError> {
-        let all = || words.iter().map(|(word, _)| (*word).to_owned()).collect::<Vec<_>>();
-        let Some(text) = self.text(key)? else { return Ok(None) };
+        let Some(text) = self.chosen(key)? else { return Ok(None) };
         let found = words.iter().find(|(word, _)| *word == text);
-        found.map(|(_, value)| Some(*value)).ok_or_else(|| {
-            let found = text.to_owned();
-            self.error(key, Fault::Word { found, words: all() })
-        })
+        let value = found.map(|(_, value)| Some(*value));
+        value.ok_or_else(|| self.no_word(key, text, words.iter().map(|(word, _)| *word)))
+    }
+
+    /// One of the words of a key of some kind, or a formula over keys that gives one.
+    pub(super) fn choice<T: Held>(
+        &self,
+        key: &str,
+        words: &'static [&'static str],
+    ) -> Result<Option<T>, AssemblyError> {
+        let Some(text) = self.chosen(key)? else { return Ok(None) };
+        let found = words.iter().find(|word| **word == text);
+        let value = found.and_then(|word| T::from_value(&Value::Choice(word)));
+        value
+            .map(Some)
+            .ok_or_else(|| self.no_word(key, text, words.iter().copied()))
+    }
+
+    fn no_word<'w>(&self, key: &str, found: String, words: impl Iterator<Item = &'w str>) -> AssemblyError {
+        let words = words.map(str::to_owned).collect();
+        self.error(key, Fault::Word { found, words })
+    }
+
+    /// A word: a text, or the value of a formula over keys.
+    fn chosen(&self, key: &str) -> Result<Option<String>, AssemblyError> {
+        let (Some(text), Some(node)) = (self.text(key)?, self.get(key)) else {
+            return Ok(None);
+        };
+        let Some(formula) = text.strip_prefix('=') else {
+            return Ok(Some(text.to_owned()));
+        };
+        let scope = KeyScope(self.resolver);
+        match self.resolver.formula(&self.full(key), node, formula, &scope)? {
+            Compiled::Word(word) => Ok(Some(word)),
+            other => {
+                let (found, expected) = (kind_of(&other), self.expected(key));
+                Err(self.error(key, Fault::Kind { found, expected }))
+            }
+        }
     }
 
     /// "down" or "up".

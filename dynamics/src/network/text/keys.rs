@@ -6,8 +6,8 @@ use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
 use nailnoise_quantities::{Dimension, Group, GroupSpec, KeySpec, Kind, Value};
 
 use crate::{
-    Ambient, Block, Chambers, Contacts, Exhaust, Geometry, Hand, HeadValve, Model, Nail, Parameters, Piston, Supply,
-    Tool, Trigger, Wood,
+    Ambient, Block, Chambers, Contacts, Exhaust, Geometry, Hand, HeadValve, Model, Nail, NailedWood, Parameters,
+    Piston, Supply, Tool, Trigger,
 };
 
 /// Value of a key.
@@ -65,8 +65,8 @@ impl Keys for BTreeMap<String, KeyValue> {
 }
 
 impl Parameters {
-    /// Values of all keys of the cycle, including `support.stiffness` and `support.damping` of the support in use, and
-    /// the muffler's kind and area.
+    /// Values of all keys of the cycle, including `support.stiffness` and `support.damping` of the support in use, the
+    /// muffler's kind and area, and the share of friction in the resistance.
     pub fn keys(&self) -> BTreeMap<String, KeyValue> {
         let mut keys = BTreeMap::new();
         self.visit(&mut |path, spec, value| {
@@ -91,6 +91,11 @@ impl Parameters {
             dimension: NUMBER,
         };
         keys.insert("exhaust.discharge_coefficient".to_owned(), coefficient);
+        let share = KeyValue::Quantity {
+            si: self.friction_share,
+            dimension: NUMBER,
+        };
+        keys.insert("wood.friction_share".to_owned(), share);
         keys
     }
 }
@@ -104,7 +109,7 @@ const STANDARD: [(&str, &GroupSpec); 14] = [
     ("exhaust", &Exhaust::SPEC),
     ("trigger", &Trigger::SPEC),
     ("nail", &Nail::SPEC),
-    ("wood", &Wood::SPEC),
+    ("wood", &NailedWood::SPEC),
     ("workpiece", &Block::SPEC),
     ("contacts", &Contacts::SPEC),
     ("tool", &Tool::SPEC),

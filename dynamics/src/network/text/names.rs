@@ -161,7 +161,7 @@ pub(super) fn words(family: Family) -> &'static [(&'static str, Action)] {
         Family::Friction => &[("sticks", A::Sticks), ("slips", A::Slips)],
         Family::Hold => &[("catches", A::Catches), ("releases", A::Releases)],
         Family::Motor => &[("runs", A::Runs), ("stops", A::Stops)],
-        Family::Trigger => &[("sets", A::Sets), ("clears", A::Clears)],
+        Family::Trigger => &[("switches on", A::SwitchesOn), ("switches off", A::SwitchesOff)],
         Family::Reservoir | Family::Volume | Family::Face | Family::Spring | Family::Force => &[],
     }
 }

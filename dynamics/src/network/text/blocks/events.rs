@@ -212,15 +212,11 @@ fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<
     (of_passage || able.next().is_none()).then_some(index)
 }
 
-/// All words that a trigger may use, for messages.
+/// All words of the blocks that a trigger may follow, for messages.
 fn all_words(resolver: &Resolver<'_>, passages: &[Passage]) -> Vec<String> {
     let mut all = Vec::new();
-    for block in resolver
-        .names
-        .blocks
-        .iter()
-        .filter(|own| own.block.family != Family::Trigger)
-    {
+    let blocks = resolver.names.blocks.iter();
+    for block in blocks.filter(|block| block.block.family != Family::Trigger) {
         for (action, _) in words(block.block.family) {
             let mut candidates = vec![format!("{} {action}", block.name)];
             if let (Family::Passage, Some(passage)) = (block.block.family, passages.get(block.block.index)) {
@@ -266,9 +262,9 @@ fn trigger_words(fields: &Fields<'_, '_>, key: &str, passages: &[Passage]) -> Re
     };
     let read = |item: &Node| {
         let text = item.text().ok_or_else(|| fields.wrong(key, &fields.expected(key)))?;
-        // A trigger that follows another could switch it for ever.
-        let of_block = word(fields.resolver, passages, text).filter(|word| word.block.family != Family::Trigger);
-        of_block.ok_or_else(|| {
+        // Triggers that follow each other could switch endlessly.
+        let word = word(fields.resolver, passages, text).filter(|word| word.block.family != Family::Trigger);
+        word.ok_or_else(|| {
             let word = text.to_owned();
             let known = all_words(fields.resolver, passages);
             fields.error(key, Fault::UnknownWord { word, known })

@@ -4,19 +4,17 @@ use nailnoise_quantities::dimension::{DAMPING, FORCE, NUMBER, VELOCITY};
 use nailnoise_quantities::{Kind, nonnegative, positive};
 
 use super::list::each;
-use super::tables::mechanics::{
-    BODY, CONTACT, FASTENER, FORCE_TABLE, FRICTION, HOLD, IMPACTS, LAW_KINDS, LawKind, MOTOR, SPRING, STOPS,
-};
+use super::tables::mechanics::{BODY, CONTACT, FORCE_TABLE, FRICTION, HOLD, MOTOR, SPRING, STOPS};
 use crate::network::assembly::{
-    Base, Body, Contact, ContactDamping, Family, Fastener, FastenerLaw, Force, ForceLaw, Friction, Hold, Motor, Seated,
-    Spring, SpringLaw, Start, Weights,
+    Base, Body, Contact, ContactDamping, Family, Force, ForceLaw, Friction, Hold, Motor, Spring, SpringLaw, Start,
+    Weights,
 };
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::resolver::Resolver;
 
 /// Velocity scale over which friction changes its sign, unless the block gives another \[m/s\].
-const WIDTH: f64 = 1e-3;
+pub(super) const WIDTH: f64 = 1e-3;
 /// Velocity scale over which friction falls from static to sliding, unless the block gives another \[m/s\].
 const STRIBECK: f64 = 10e-3;
 
@@ -320,48 +318,4 @@ pub(super) fn holds(resolver: &Resolver<'_>, parents: &[Base], bodies: &[Body]) 
         })
     };
     each(resolver, Family::Hold, &HOLD)?.into_iter().map(read).collect()
-}
-
-pub(super) fn fasteners(resolver: &Resolver<'_>) -> Result<Vec<Fastener>, AssemblyError> {
-    let read = |(name, fields): (&str, Fields<'_, '_>)| {
-        let law = fields.table("law")?.ok_or_else(|| fields.missing("law"))?;
-        Ok(Fastener {
-            name: name.to_owned(),
-            driver: fields.index("driver", Family::Body, "body")?,
-            into: fields.index("into", Family::Body, "body")?,
-            guide: fields.base("guide")?.unwrap_or(Base::Ground),
-            head_at: fields.required("head_at")?,
-            tip_at: fields.required("tip_at")?,
-            length: fields.required("length")?,
-            mass: fields.required("mass")?,
-            impact: fields.word("impact", &IMPACTS)?.unwrap_or(true),
-            reversible: law.flag("reversible", false)?,
-            law: fastener_law(&law)?,
-            seated: Seated {
-                head_stiffness: fields.required("head_stiffness")?,
-                unloading: fields.required("unloading")?,
-                guide_friction: fields.or("guide_friction", 0.0)?,
-                guide_width: fields.or("guide_width", WIDTH)?,
-            },
-        })
-    };
-    each(resolver, Family::Fastener, &FASTENER)?
-        .into_iter()
-        .map(read)
-        .collect()
-}
-
-fn fastener_law(law: &Fields<'_, '_>) -> Result<FastenerLaw, AssemblyError> {
-    match law.word("kind", &LAW_KINDS)? {
-        Some(LawKind::SolidWood) => Ok(FastenerLaw::SolidWood {
-            hardness: law.required("hardness")?,
-            offset: law.or("offset", 0.0)?,
-        }),
-        Some(LawKind::Constant) => Ok(FastenerLaw::Constant(law.required("force")?)),
-        Some(LawKind::Table) => {
-            let points = law.points("points")?;
-            points.map(FastenerLaw::Table).ok_or_else(|| law.missing("points"))
-        }
-        None => Err(law.missing("kind")),
-    }
 }

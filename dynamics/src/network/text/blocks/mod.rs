@@ -1,6 +1,7 @@
 //! The families of blocks, one module per kind.
 
 mod events;
+mod fastener;
 mod gas;
 mod list;
 mod mechanics;
@@ -57,7 +58,7 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
         forces: mechanics::forces(resolver)?,
         motors: mechanics::motors(resolver, &parents)?,
         holds: mechanics::holds(resolver, &parents, &bodies)?,
-        fasteners: mechanics::fasteners(resolver)?,
+        fasteners: fastener::fasteners(resolver, &bodies)?,
         triggers: events::triggers(resolver, &passages)?,
         outcomes: events::outcomes(&top, &sensors)?,
         openings: outputs::openings(resolver, &passages)?,

@@ -180,6 +180,17 @@ impl Parser<'_> {
             arguments.push(self.deeper(Self::or)?);
         }
         self.expect(")")?;
+        if name == "if" {
+            let found = arguments.len();
+            let three: Result<[Term; 3], _> = arguments.try_into();
+            return three
+                .map(|three| Term::Either(Box::new(three)))
+                .map_err(|_| SyntaxError::Arguments {
+                    name: name.to_owned(),
+                    expected: "a condition and two values",
+                    found,
+                });
+        }
         let function = match name {
             "disc" => None,
             "sqrt" => Some(Function::Sqrt),
@@ -239,6 +250,15 @@ mod tests {
         let negative = Term::Negative(Box::new(square));
         let sum = Term::Binary(Binary::Add, Box::new(negative), Box::new(product));
         assert_eq!(parse("-2^2 + 3*4").unwrap(), sum);
+    }
+
+    #[test]
+    fn a_choice_has_a_condition_and_two_values() {
+        let condition = Term::Compare(Relation::Greater, Box::new(Term::Name("a".to_owned())), number(1.0));
+        let word = |text: &str| Term::Word(text.to_owned());
+        let expected = Term::Either(Box::new([condition, word("b"), word("c")]));
+        assert_eq!(parse("if(a > 1, 'b', 'c')").unwrap(), expected);
+        assert!(parse("if(a > 1, 'b')").is_err());
     }
 
     #[test]

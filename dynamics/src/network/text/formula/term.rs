@@ -22,6 +22,8 @@ pub(in crate::network::text) enum Term {
     /// pi d^2/4.
     Disc(Box<Self>),
     Function(Function, Vec<Self>),
+    /// The second where the condition over keys, the first, is satisfied, else the third.
+    Either(Box<[Self; 3]>),
     Compare(Relation, Box<Self>, Box<Self>),
     And(Box<Self>, Box<Self>),
     Or(Box<Self>, Box<Self>),
@@ -50,7 +52,7 @@ pub(in crate::network::text) enum SyntaxError {
     Unit(String),
     #[error("`{0}` is not a finite number")]
     Number(String),
-    #[error("`{0}` is not a function; there are disc, sqrt, exp, sin, cos, tan, min, max, abs")]
+    #[error("`{0}` is not a function; there are disc, sqrt, exp, sin, cos, tan, min, max, abs, if")]
     Function(String),
     #[error("{name} takes {expected}, not {found}")]
     Arguments {

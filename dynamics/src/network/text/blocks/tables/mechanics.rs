@@ -18,23 +18,6 @@ const DAMPING_RATIO: Kind = nonnegative(NUMBER).within(0.0, 10.0);
 /// Sides on which a contact stops a body.
 pub(in crate::network::text::blocks) const STOPS: [(&str, Stop); 2] = [("below", Stop::Below), ("above", Stop::Above)];
 const STOP_WORDS: [&str; 2] = words(&STOPS);
-/// Impacts of a driver on a fastener, and whether the impact is plastic.
-pub(in crate::network::text::blocks) const IMPACTS: [(&str, bool); 2] = [("plastic", true), ("mass", false)];
-const IMPACT_WORDS: [&str; 2] = words(&IMPACTS);
-/// Laws of the resistance to a fastener.
-#[derive(Clone, Copy)]
-pub(in crate::network::text::blocks) enum LawKind {
-    SolidWood,
-    Constant,
-    Table,
-}
-pub(in crate::network::text::blocks) const LAW_KINDS: [(&str, LawKind); 3] = [
-    ("solid_wood", LawKind::SolidWood),
-    ("constant", LawKind::Constant),
-    ("table", LawKind::Table),
-];
-const LAW_WORDS: [&str; 3] = words(&LAW_KINDS);
-
 const ON: FieldSpec = name_of("on", BODY_NAME, "body on which the force acts");
 const AGAINST: FieldSpec = name_of("against", BASE, "body that carries the reaction (the parent of `on`)");
 const PUSHES: FieldSpec = one_of("push", &PUSH, "direction of the force on the body").such_as("\"down\"");
@@ -52,7 +35,7 @@ const fn at(text: &'static str) -> FieldSpec {
     quantity("at", any(LENGTH), "\"24 mm\"", text)
 }
 
-const fn force(name: &'static str, example: &'static str, text: &'static str) -> FieldSpec {
+pub(super) const fn force(name: &'static str, example: &'static str, text: &'static str) -> FieldSpec {
     quantity(name, nonnegative(FORCE), example, text)
 }
 
@@ -262,78 +245,5 @@ pub(in crate::network::text::blocks) const HOLD: TableSpec = TableSpec::of(
             "damping ratio with the mass of `on` (0.1)",
         ),
         WHILE,
-    ],
-);
-
-const FASTENER_LAW: TableSpec = TableSpec::of(
-    "law of a fastener",
-    &[
-        one_of("kind", &LAW_WORDS, "law of the resistance").such_as("\"constant\""),
-        quantity(
-            "hardness",
-            nonnegative(OF_STIFFNESS),
-            "\"=wood.hardness_modulus\"",
-            "hardness modulus of solid wood",
-        ),
-        quantity("offset", any(NUMBER), "0", "sum of the other terms of solid wood (0)"),
-        force("force", "\"600 N\"", "constant resistance"),
-        field(
-            "points",
-            List(&Pair(&[Quantity(nonnegative(LENGTH)), Quantity(nonnegative(FORCE))])),
-            "resistance over the depth of the tip",
-        )
-        .such_as("[[\"0 mm\", \"0 N\"], [\"50 mm\", \"900 N\"]]"),
-        flag(
-            "reversible",
-            "whether the resistance acts along the same curve upwards (false)",
-        ),
-    ],
-);
-
-pub(in crate::network::text::blocks) const FASTENER: TableSpec = TableSpec::of(
-    "fastener",
-    &[
-        name_of("driver", BODY_NAME, "body that drives it"),
-        name_of("into", BODY_NAME, "body that it enters"),
-        name_of("guide", BASE, "body that guides it (ground)"),
-        quantity(
-            "head_at",
-            any(LENGTH),
-            "\"30 mm\"",
-            "travel of the driver at which it strikes the head",
-        ),
-        quantity(
-            "tip_at",
-            any(LENGTH),
-            "\"32 mm\"",
-            "travel of the driver at which the tip enters the work",
-        ),
-        quantity("length", positive(LENGTH), "\"=nail.length\"", "length"),
-        quantity("mass", nonnegative(MASS), "\"0.9 g\"", "mass"),
-        one_of(
-            "impact",
-            &IMPACT_WORDS,
-            "whether the driver's impact is plastic, or the mass only joins (\"plastic\")",
-        ),
-        table("law", &FASTENER_LAW, "resistance of the work").such_as("{ kind = \"constant\", force = \"600 N\" }"),
-        quantity(
-            "head_stiffness",
-            nonnegative(OF_STIFFNESS),
-            "\"400 N/mm\"",
-            "stiffness of the work below the head",
-        ),
-        quantity(
-            "unloading",
-            positive(OF_STIFFNESS),
-            "\"5 kN/mm\"",
-            "stiffness of the work when the tip moves back",
-        ),
-        force("guide_friction", "\"10 N\"", "friction in the guide (0)"),
-        quantity(
-            "guide_width",
-            positive(VELOCITY),
-            "\"1 mm/s\"",
-            "velocity over which it changes its sign (1 mm/s)",
-        ),
     ],
 );

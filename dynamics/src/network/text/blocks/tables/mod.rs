@@ -1,6 +1,7 @@
 //! The tables of `[cycle]`, one module per kind, with the domains and examples that the readers use.
 
 pub(super) mod events;
+pub(super) mod fastener;
 pub(super) mod gas;
 pub(super) mod mechanics;
 pub(super) mod outputs;
@@ -86,7 +87,7 @@ pub const CYCLE: TableSpec = TableSpec::of(
         blocks("hold", &mechanics::HOLD, "latches"),
         blocks(
             "fastener",
-            &mechanics::FASTENER,
+            &fastener::FASTENER,
             "fasteners that a body drives into another",
         ),
         blocks(
