@@ -99,6 +99,16 @@ struct Stretch {
     event: Option<usize>,
 }
 
+/// Whether all values exceed their limits; without an early exit, which would prevent vector instructions.
+fn exceed(values: &[f64], limits: &[f64]) -> bool {
+    values.iter().zip(limits).fold(true, |all, (value, limit)| all & (value > limit))
+}
+
+/// Whether heights are on the same sides of their levels.
+fn have_equal_signs(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).fold(true, |all, (a, b)| all & ((*a > 0.0) == (*b > 0.0)))
+}
+
 /// Integrates a compiled assembly.
 pub(crate) fn integrate(plan: &Plan, numerics: &Numerics) -> Result<Record, RunError> {
     let slots = Slots::new(plan)?;
@@ -432,6 +442,12 @@ impl<'p> Run<'p> {
             slots.margins(plan, mode, &self.w, &mut self.right);
             self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
             self.watch.measure(t, plan, mode, &self.w, &mut self.watched[k]);
+            if exceed(&self.right, &slots.event_tolerances) {
+                self.armed.fill(true);
+                left = t;
+                std::mem::swap(&mut self.margin, &mut self.right);
+                continue;
+            }
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
                 if *after > slots.event_tolerances[slot] {
                     self.armed[slot] = true;
@@ -487,6 +503,11 @@ impl<'p> Run<'p> {
         for k in 0..used {
             let t = self.points[k].0;
             let heights = &self.heights[k];
+            if have_equal_signs(self.events.last(), heights) {
+                self.events.settle(heights);
+                left = t;
+                continue;
+            }
             let mut passed: Vec<(f64, usize)> = Vec::new();
             for (level, (before, after)) in self.events.last().iter().zip(heights).enumerate() {
                 let (before, after) = (*before, *after);
@@ -525,6 +546,11 @@ impl<'p> Run<'p> {
         let mut left = from;
         for k in 0..used {
             let t = self.points[k].0;
+            if have_equal_signs(&self.watch.last, &self.watched[k]) {
+                self.watch.settle(&self.watched[k]);
+                left = t;
+                continue;
+            }
             for i in 0..self.watch.len() {
                 let (before, after) = (self.watch.last[i], self.watched[k][i]);
                 if (before > 0.0) == (after > 0.0) {

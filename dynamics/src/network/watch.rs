@@ -81,6 +81,9 @@ impl Watch {
             Kind::Direction(i) => w.pressure[plan.passages[i].from] - w.pressure[plan.passages[i].to],
             Kind::Choking(i) => {
                 let passage = &plan.passages[i];
+                if !passage.is_open(mode) {
+                    return -1.0;
+                }
                 passage.choking(&plan.airs[passage.air], mode, &plan.ends(i, w), t)
             }
         }
