@@ -21,6 +21,17 @@ fn base_design(method: Method) -> CycleRecord {
     simulate(&n80cb(), &settings).expect("the base design runs")
 }
 
+/// A shot of `nailnoise calibrate`, which reads few samples.
+#[divan::bench]
+fn calibration_shot() -> CycleRecord {
+    let settings = Settings {
+        relative_tolerance: 1e-5,
+        sample_interval: 5e-5,
+        ..Settings::default()
+    };
+    simulate(&n80cb(), &settings).expect("the base design runs")
+}
+
 #[divan::bench]
 fn published_all() -> CycleRecord {
     simulate(&n80cb().published_all(), &Settings::default()).expect("the published model runs")

@@ -58,9 +58,14 @@ pub fn of_network(record: &Record, exports: Exports) -> Result<Vec<File>, Error>
         } else {
             format!("{}.{}", entry.block, entry.restriction)
         };
+        let state = entry.state.iter().map(|value| format!("{value:.6e}"));
         [format!("{:.9}", entry.time), block, entry.word.to_owned()]
+            .into_iter()
+            .chain(state)
     });
-    files.push(File::new("log.csv", table(["time [s]", "block", "word"], log)?));
+    let states = record.state_columns.iter().map(|own| title(&own.name, own.unit));
+    let header = ["time [s]", "block", "word"].map(str::to_owned).into_iter();
+    files.push(File::new("log.csv", table(header.chain(states), log)?));
     let events = record.events.iter().map(|event| {
         let description = event.description.clone();
         [event.name.clone(), description, optional(event.time, 9)]

@@ -33,7 +33,7 @@ const VOLUMES: [(&str, &str); 5] = [
 ];
 
 /// Channels of the record in fixed fields.
-const CHANNELS: [&str; 52] = [
+const CHANNELS: [&str; 51] = [
     "piston.position",
     "piston.velocity",
     "piston.acceleration",
@@ -84,7 +84,6 @@ const CHANNELS: [&str; 52] = [
     "hand.force",
     "push.force",
     "thrust.force",
-    "exhaust.mass_flow",
     "vent.mass_flow",
 ];
 
@@ -127,9 +126,10 @@ impl<'p> Nailer<'p> {
             parameters.penetration_table.as_ref(),
             parameters.penetration_fit.as_ref(),
         );
-        // They follow from the forces of the record.
+        // What follows from other histories of the record.
         assembly.loads.clear();
         assembly.pressures.clear();
+        assembly.openings.retain(|opening| opening.name == "exhaust");
         Ok(Self {
             parameters,
             assembly,

@@ -50,7 +50,7 @@ impl Histories {
 /// The record in fixed fields.
 ///
 /// # Errors
-/// [`CycleError::Assembly`] if the assembly does not have both openings.
+/// [`CycleError::Assembly`] if the assembly does not have the opening `exhaust`, or an outcome has another name.
 pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleError> {
     let samples = record.channels.first().map_or(0, |channel| channel.values.len());
     let (log, energy) = (log(p, &record), energy(&record));
@@ -66,7 +66,7 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
     };
     let forces = forces(p, &mut of, [&above_piston, &below_piston, &above_valve, &supply]);
     let critical = critical_ratio(p);
-    let (holes, vent) = (of.opening("exhaust")?, of.opening("vent")?);
+    let holes = of.opening("exhaust")?;
     let choked = |n: usize| {
         motion.valve_lift[n] > p.head_valve.intake_lap && above_piston.pressure[n] < critical * supply.pressure[n]
     };
@@ -80,7 +80,7 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
         intake_mass_flow: of.take("intake.mass_flow"),
     };
     let vent = VentFlow {
-        mass_flow: vent.mass_flow,
+        mass_flow: of.take("vent.mass_flow"),
         pressure: above_valve.pressure.clone(),
         temperature: above_valve.temperature.clone(),
     };

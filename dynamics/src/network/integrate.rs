@@ -101,12 +101,17 @@ struct Stretch {
 
 /// Whether all values exceed their limits; without an early exit, which would prevent vector instructions.
 fn exceed(values: &[f64], limits: &[f64]) -> bool {
-    values.iter().zip(limits).fold(true, |all, (value, limit)| all & (value > limit))
+    values
+        .iter()
+        .zip(limits)
+        .fold(true, |all, (value, limit)| all & (value > limit))
 }
 
 /// Whether heights are on the same sides of their levels.
 fn have_equal_signs(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).fold(true, |all, (a, b)| all & ((*a > 0.0) == (*b > 0.0)))
+    a.iter()
+        .zip(b)
+        .fold(true, |all, (a, b)| all & ((*a > 0.0) == (*b > 0.0)))
 }
 
 /// Integrates a compiled assembly.

@@ -157,7 +157,7 @@ impl Plan {
         j.values.fill(0.0);
         self.instant(y, mode, w);
         j.wood = self.driven.map(|driven| {
-            self.flows(t, mode, w, false);
+            self.flows(t, mode, w);
             self.forces(t, mode, w);
             let places = [driven.body, self.grip()];
             Prescribed {

@@ -132,6 +132,15 @@ impl Probe {
         }
     }
 
+    /// The passage whose flow it needs.
+    pub(crate) fn passage(self) -> Option<usize> {
+        match self {
+            Self::MassFlow(i) | Self::Upstream(i) | Self::Choked(i) => Some(i),
+            Self::Before(i, _) | Self::Behind(i, _) | Self::ChokedAt(i, _) => Some(i),
+            _ => None,
+        }
+    }
+
     /// Its value for an evaluated state.
     #[inline]
     pub(crate) fn value(self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
@@ -226,7 +235,7 @@ impl Plan {
     pub(crate) fn observe(&self, need: Need, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
         self.instant(y, mode, w);
         if need >= Need::Flows {
-            self.flows(t, mode, w, false);
+            self.flows(t, mode, w);
         }
         if need == Need::Forces {
             self.forces(t, mode, w);

@@ -167,27 +167,34 @@ impl Plan {
         }
     }
 
-    /// Flows through all passages; requires [`Self::instant`]. `near` allows starting from the last pressure inside a
+    /// Flows through all passages; requires [`Self::instant`].
+    #[inline]
+    pub(crate) fn flows(&self, t: f64, mode: &Mode, w: &mut Workspace) {
+        for passage in 0..self.passages.len() {
+            self.flow_through(passage, t, mode, w, false);
+        }
+    }
+
+    /// Flow through a passage; requires [`Self::instant`]. `near` allows starting from the last pressure inside a
     /// series.
     #[inline]
-    pub(crate) fn flows(&self, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
-        for (i, passage) in self.passages.iter().enumerate() {
-            if !passage.is_open(mode) {
-                w.flow[i] = Flow {
-                    mass: 0.0,
-                    enthalpy: 0.0,
-                    between: [w.pressure[passage.to]; 2],
-                };
-                w.thrust[i] = 0.0;
-                continue;
-            }
-            let air = &self.airs[passage.air];
-            let ends = self.ends(i, w);
-            let last = near.then(|| w.flow[i].between[0]);
-            w.flow[i] = passage.flow(air, mode, &ends, t, last);
-            if passage.jet {
-                w.thrust[i] = passage.thrust(air, &ends, &w.flow[i], t);
-            }
+    pub(crate) fn flow_through(&self, index: usize, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
+        let passage = &self.passages[index];
+        if !passage.is_open(mode) {
+            w.flow[index] = Flow {
+                mass: 0.0,
+                enthalpy: 0.0,
+                between: [w.pressure[passage.to]; 2],
+            };
+            w.thrust[index] = 0.0;
+            return;
+        }
+        let air = &self.airs[passage.air];
+        let ends = self.ends(index, w);
+        let last = near.then(|| w.flow[index].between[0]);
+        w.flow[index] = passage.flow(air, mode, &ends, t, last);
+        if passage.jet {
+            w.thrust[index] = passage.thrust(air, &ends, &w.flow[index], t);
         }
     }
 
@@ -318,7 +325,7 @@ impl Plan {
     /// dy/dt of states and ledger.
     pub(crate) fn rates(&self, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace, rate: &mut [f64]) {
         self.instant(y, mode, w);
-        self.flows(t, mode, w, false);
+        self.flows(t, mode, w);
         self.forces(t, mode, w);
         self.walls(w);
         rate[self.states()..].fill(0.0);

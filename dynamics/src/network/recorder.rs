@@ -5,7 +5,7 @@ use super::error::RunError;
 use super::mode::Mode;
 use super::numerics::Numerics;
 use super::plan::{Pair, Plan};
-use super::probe::{Probe, Program};
+use super::probe::{Need, Probe, Program};
 use super::rates::Workspace;
 
 /// Source of a history.
@@ -127,6 +127,21 @@ impl Reads {
     }
 }
 
+/// Passages whose flows are in a history or in a force; all if an expression may read any of them.
+fn passages(plan: &Plan, sources: &[Source]) -> Vec<usize> {
+    let any = |source: &Source| matches!(source, Source::Program(program) if program.need >= Need::Flows);
+    let all = sources.iter().any(any);
+    let read = |passage: usize| {
+        let of = |source: &Source| match source {
+            Source::Probe(probe) | Source::Negative(probe) => probe.passage() == Some(passage),
+            Source::Program(_) => false,
+        };
+        sources.iter().any(of)
+    };
+    let needed = |passage: &usize| all || plan.passages[*passage].jet || read(*passage);
+    (0..plan.passages.len()).filter(needed).collect()
+}
+
 /// A named history and its position.
 #[derive(Debug)]
 pub(super) struct Named {
@@ -168,6 +183,8 @@ pub(crate) struct Recorder {
     wanted: Option<&'static [&'static str]>,
     sources: Vec<Source>,
     reads: Reads,
+    /// Passages whose flows the histories need.
+    passages: Vec<usize>,
     pub(super) histories: Vec<Vec<f64>>,
     /// Samples not yet appended, by history.
     block: Vec<f64>,
@@ -188,6 +205,7 @@ impl Recorder {
             wanted: numerics.channels,
             sources: Vec::new(),
             reads: Reads::default(),
+            passages: Vec::new(),
             histories: Vec::new(),
             block: Vec::new(),
             rows: 0,
@@ -204,6 +222,7 @@ impl Recorder {
             recorder.describe_openings(plan);
             recorder.describe_surfaces(plan)?;
             recorder.reads = Reads::new(&recorder.sources);
+            recorder.passages = passages(plan, &recorder.sources);
             let n = (plan.assembly.end / interval) as usize + 2;
             recorder.histories = recorder.sources.iter().map(|_| Vec::with_capacity(n)).collect();
             recorder.block = vec![0.0; BLOCK * recorder.sources.len()];
@@ -388,7 +407,9 @@ impl Recorder {
     /// Appends a sample of a state.
     pub(crate) fn push(&mut self, plan: &Plan, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
         plan.instant(y, mode, w);
-        plan.flows(t, mode, w, true);
+        for passage in &self.passages {
+            plan.flow_through(*passage, t, mode, w, true);
+        }
         plan.forces(t, mode, w);
         let row = self.rows;
         self.reads.copy(plan, w, &mut self.block, row);

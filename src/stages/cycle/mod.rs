@@ -1,7 +1,8 @@
 //! The nailing cycle with its lumped workpiece.
 //!
-//! It is computed by one of two engines: that of the tool described by a design's keys ([`Cycle`]), and the network of
-//! a design's assembly ([`AssembledCycle`]). Both produce a [`ShotRecord`], which is all that the chain uses.
+//! Every tool is a network of blocks: the built-in assembly with the keys of a design, whose record has fixed fields
+//! ([`Cycle`]), or the assembly of the design itself ([`AssembledCycle`]). Both produce a [`ShotRecord`], which is all
+//! that the chain uses.
 
 mod of_assembly;
 mod of_keys;
@@ -58,7 +59,7 @@ pub struct AssembledCycle {
     pub numerics: Numerics,
 }
 
-/// The engine that computes the cycle of a design, with its inputs.
+/// The cycle of a design, with its inputs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Engine {
     /// The tool described by keys.

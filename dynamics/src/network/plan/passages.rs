@@ -3,11 +3,11 @@
 use super::compiler::Compiler;
 use super::gas::{AreaPlan, CoefficientPlan, FacePlan, FlowLedger, PassagePlan, RestrictionPlan, TravelPlan};
 use super::mechanics::Pair;
-use crate::network::gas::Air;
 use crate::network::assembly::{
     Assembly, Base, Coefficient, Cone, Force, ForceLaw, Opens, Passage, PassageLaw, Push, Space,
 };
 use crate::network::error::RunError;
+use crate::network::gas::Air;
 
 /// Restrictions of a passage, and the motions that open them.
 struct Restrictions {
