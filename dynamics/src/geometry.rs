@@ -192,6 +192,12 @@ impl Ambient {
         self.pressure / (self.gas_constant * self.temperature)
     }
 
+    /// P_cr = (2/(gamma+1))^(gamma/(gamma-1)), critical pressure ratio of the ideal nozzle \[-\].
+    pub fn critical_ratio(&self) -> f64 {
+        let gamma = self.heat_capacity_ratio;
+        (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
+    }
+
     /// c_0 = sqrt(gamma R T_a), speed of sound \[m/s\].
     pub fn sound_speed(&self) -> f64 {
         (self.heat_capacity_ratio * self.gas_constant * self.temperature).sqrt()

@@ -65,7 +65,7 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
         moving_mass: of.take("piston.moving_mass"),
     };
     let forces = forces(p, &mut of, [&above_piston, &below_piston, &above_valve, &supply]);
-    let critical = critical_ratio(p);
+    let critical = p.ambient.critical_ratio();
     let holes = of.opening("exhaust")?;
     let choked = |n: usize| {
         motion.valve_lift[n] > p.head_valve.intake_lap && above_piston.pressure[n] < critical * supply.pressure[n]
@@ -142,12 +142,6 @@ fn checks(record: &Record) -> Vec<Check> {
         )
     };
     record.checks.iter().map(tightened).collect()
-}
-
-/// P_cr, critical pressure ratio of the ideal nozzle \[-\].
-pub(super) fn critical_ratio(p: &Parameters) -> f64 {
-    let gamma = p.ambient.heat_capacity_ratio;
-    (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
 }
 
 fn forces(p: &Parameters, of: &mut Histories, [above, below, control, supply]: [&Volume; 4]) -> Forces {

@@ -1,6 +1,5 @@
 //! Events, outcome and figures of the shot.
 
-use super::record::critical_ratio;
 use crate::network::Record;
 use crate::{CycleError, CycleRecord, Events, Outcome, Parameters, Summary};
 
@@ -54,7 +53,7 @@ pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Su
             .count()
     };
     let mass = |name: &str| record.integral(name).unwrap_or(0.0);
-    let critical = critical_ratio(p);
+    let critical = p.ambient.critical_ratio();
     let part = |window: Option<(f64, f64)>, height: &dyn Fn(usize) -> f64| {
         window.map(|(from, to)| part_above([from, to], view.sample_interval, view.len(), height))
     };
