@@ -96,8 +96,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
 
     // The thesis assesses the exhaust by the chamber, P_a/P_1, but sound originates at the holes, which have P_a/P_m. A
     // ratio is drawn while its passage is open.
-    let gamma = design.ambient.heat_capacity_ratio;
-    let critical = (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0));
+    let critical = design.ambient.critical_ratio();
     let (above, motion) = (&r.above_piston.pressure, &r.motion.valve_lift);
     let ratio = |open: &dyn Fn(f64) -> bool, ratio: &dyn Fn(usize) -> f64| {
         let at = |index| if open(motion[index]) { ratio(index) } else { f64::NAN };
