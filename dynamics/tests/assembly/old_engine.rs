@@ -1,12 +1,14 @@
 //! The N80CB as an assembly against the equations of the fixed cycle, for all forms and options.
 
 use nailnoise_dynamics::network::{Numerics, Record};
-use nailnoise_dynamics::{CycleRecord, Method, Outcome, Parameters, Settings, network, simulate};
-use nailnoise_penetration::{ForceTable, HeadLaw, RateLaw, ResistanceLaw};
+use nailnoise_dynamics::{CycleRecord, Form, Method, Outcome, Parameters, Settings, network, simulate};
+use nailnoise_penetration::{ForceTable, HeadLaw, PenetrationLaw, RateLaw, ResistanceLaw};
 
 use crate::common::n80cb;
 use crate::n80cb_assembly::n80cb_assembly;
 
+/// A law of plywood.
+const PLYWOOD: ResistanceLaw = ResistanceLaw::Published(PenetrationLaw::Smooth);
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-9;
 
@@ -119,15 +121,37 @@ agrees! {
     a_head_that_yields: |p| p.wood.head_law = HeadLaw::Yields, 1e-8, 1e-5;
     a_coated_nail: |p| p.nail.coating = 0.7, 1e-8, 1e-5;
     a_staple: |p| { p.nail.legs = 2; p.nail.diameter = 0.002; p.wood.resistance_scale = 0.5; }, 1e-8, 1e-5;
-    a_law_of_plywood: |p| p.wood.penetration_law = ResistanceLaw::Published(nailnoise_penetration::PenetrationLaw::Smooth), 1e-8, 1e-5;
-    a_constant_force: |p| { p.wood.penetration_law = ResistanceLaw::Constant; p.wood.penetration_force = 900.0; }, 1e-8, 1e-5;
+    a_law_of_plywood: |p| p.wood.penetration_law = PLYWOOD, 1e-8, 1e-5;
+    a_constant_force: constant_force, 1e-8, 1e-5;
     a_table: |p| p.penetration_table = Some(table()), 1e-8, 1e-5;
     a_muffler: |p| p.muffler_area = Some(2e-4), 1e-8, 1e-5;
     a_hand_with_mass: |p| p.hand.mass = 1.5, 1e-8, 1e-5;
     thrust: |p| p.exhaust.thrust_share = 0.5, 1e-8, 1e-5;
     release_by_the_operator: |p| p.trigger.release_after = 0.03, 1e-8, 1e-5;
-    a_tool_that_hardly_recoils: |p| { p.contacts.guard_travel = 30e-3; p.hand.force = 300.0; p.trigger.release_after = 0.035; }, 1e-8, 1e-5;
+    a_tool_that_hardly_recoils: low_recoil, 1e-8, 1e-5;
+    published_gas: |p| p.model.gas = Form::Published, 1e-8, 1e-5;
+    published_valve_underside: |p| p.model.valve_underside = Form::Published, 1e-8, 5e-4;
+    published_nail: |p| p.model.nail = Form::Published, 1e-8, 1e-5;
+    published_impact: |p| p.model.impact = Form::Published, 1e-8, 1e-5;
+    published_contacts: |p| p.model.contacts = Form::Published, 1e-8, 1e-5;
+    published_intake: |p| p.model.intake = Form::Published, 1e-8, 1e-5;
+    published_delay: |p| p.model.delay = Form::Published, 1e-6, 5e-4;
+    published_channel: |p| p.model.channel = Form::Published, 1e-8, 1e-5;
+    published_refill: |p| p.model.refill = Form::Published, 1e-8, 1e-5;
+    published_nail_only: |p| *p = n80cb().published_nail_only(), 1e-8, 1e-5;
+    published_all: |p| *p = n80cb().published_all(), 1e-8, 1e-5;
     a_guided_nail: |p| p.nail.magazine_friction = 20.0, 1e-8, 1e-5;
+}
+
+fn constant_force(p: &mut Parameters) {
+    p.wood.penetration_law = ResistanceLaw::Constant;
+    p.wood.penetration_force = 900.0;
+}
+
+fn low_recoil(p: &mut Parameters) {
+    p.contacts.guard_travel = 30e-3;
+    p.hand.force = 300.0;
+    p.trigger.release_after = 0.035;
 }
 
 fn table() -> ForceTable {
