@@ -154,7 +154,7 @@ impl Definitions {
             FieldType::Flag => json!({"anyOf": [{"type": "boolean"}, {"type": "string", "pattern": "^\\s*="}]}),
             FieldType::Name(_) => json!({"type": "string", "pattern": NAME}),
             FieldType::Text(_) => json!({"type": "string"}),
-            FieldType::Words(words) => json!({"enum": words}),
+            FieldType::Words(words) => json!({"anyOf": [{"enum": words}, {"type": "string", "pattern": "^\\s*="}]}),
             FieldType::Table(table) => self.table(table),
             FieldType::Blocks(table) => self.blocks(table),
             FieldType::List(of) => json!({"type": "array", "items": self.of(of)}),

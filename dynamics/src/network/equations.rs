@@ -10,6 +10,7 @@ use diffsol::{
 
 use super::jacobian::Jacobian;
 use super::mode::Mode;
+use super::past::Past;
 use super::plan::Plan;
 use super::rates::Workspace;
 
@@ -39,12 +40,15 @@ struct Inside {
 }
 
 impl<'p> Equations<'p> {
-    pub(crate) fn new(plan: &'p Plan, mode: Mode) -> Self {
+    /// The equations in a mode; the past flows are those of the run.
+    pub(crate) fn new(plan: &'p Plan, mode: Mode, past: Past) -> Self {
+        let mut workspace = Workspace::new(plan);
+        workspace.past = past;
         Self {
             plan,
             inside: RefCell::new(Inside {
                 mode,
-                workspace: Workspace::new(plan),
+                workspace,
                 jacobian: Jacobian::new(plan),
             }),
             calls: Cell::default(),

@@ -208,7 +208,7 @@ impl<'p> Run<'p> {
         let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
             .rtol(0.0)
             .atol(tolerances(self.plan, self.numerics.relative_tolerance))
-            .build_from_eqn(Equations::new(self.plan, self.mode.clone()))
+            .build_from_eqn(Equations::new(self.plan, self.mode.clone(), self.w.past.clone()))
             .map_err(|cause| self.failure(&cause))?;
         // No limit, because failures are counted over a complete segment; STEP_LIMIT and the smallest step end a
         // hopeless run.
@@ -245,6 +245,20 @@ impl<'p> Run<'p> {
     /// Next time at which the smooth problem must end.
     fn stop_time(&self) -> f64 {
         self.window.unwrap_or(self.end).min(self.signals.next(self.t))
+    }
+
+    /// Time that the next steps may reach: the end of the problem, or that of the known past flows.
+    fn reach(&self) -> f64 {
+        self.stop_time().min(self.t + self.plan.shortest_delay)
+    }
+
+    /// Stores the flow that enters delayed passages at an accepted state.
+    fn remember(&mut self) {
+        if self.plan.shortest_delay < f64::INFINITY {
+            let mut rate = vec![0.0; self.y.len()];
+            self.plan.rates(self.t, &self.y, &self.mode, &mut self.w, &mut rate);
+            self.plan.remember(self.t, &self.y, &rate, &self.mode, &self.w);
+        }
     }
 
     /// Applies all changes of gates that are due.
@@ -312,6 +326,9 @@ impl<'p> Run<'p> {
     fn segment(&mut self, problem: &Problem<'p>) -> Result<(), RunError> {
         self.switch_gates()?;
         problem.eqn.set_mode(&self.mode);
+        if self.recording {
+            self.remember();
+        }
         // A window is short enough to be tried in one step by a method that needs no starting procedure.
         let (first, step, method) = match self.window {
             Some(end) => (problem.eqn.rates(self.t, &self.y), end - self.t, Method::Esdirk34),
@@ -351,7 +368,7 @@ impl<'p> Run<'p> {
         M: OdeSolverMethod<'e, Equations<'p>>,
         'p: 'e,
     {
-        let mut stop = self.stop_time();
+        let (mut end, mut stop) = (self.stop_time(), self.reach());
         solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
         let mut scratch = NalgebraVec::<f64>::zeros(self.y.len(), Default::default());
         self.plan
@@ -402,7 +419,7 @@ impl<'p> Run<'p> {
             }
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
-            let due = stopped || self.signals.is_due(self.t);
+            let due = (stopped && stop >= end) || self.signals.is_due(self.t);
             if let Some(slot) = stretch.event {
                 self.cross(slot)?;
             }
@@ -414,7 +431,8 @@ impl<'p> Run<'p> {
                 self.work.factorisations += statistics.number_of_linear_solver_setups;
                 return Ok(());
             }
-            let next = self.stop_time();
+            end = self.stop_time();
+            let next = self.reach();
             if (stopped || next < stop) && next > self.t {
                 stop = next;
                 solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
@@ -587,6 +605,7 @@ impl<'p> Run<'p> {
         if !self.fresh {
             self.plan.instant(&self.y, &self.mode, &mut self.w);
         }
+        self.remember();
         self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
         self.guard()?;
         self.plan.contact_forces(&self.mode, &mut self.w);
@@ -608,7 +627,9 @@ impl<'p> Run<'p> {
         let plan = self.plan;
         for (i, volume) in plan.volumes.iter().enumerate() {
             let (size, mass) = (self.w.volume[i], self.w.mass[i]);
-            if size > VANISHED * volume.dead && mass > 0.0 && self.y[plan.energy() + i] > 0.0 {
+            // A polytropic law does not relate the gas to its mass.
+            let massless = mass <= 0.0 && plan.temperature.is_none();
+            if size > VANISHED * volume.dead && !massless && self.y[plan.energy() + i] > 0.0 {
                 continue;
             }
             let face = plan.faces.iter().find(|face| face.volume == Some(i));

@@ -6,8 +6,9 @@
 //! ```
 
 use super::assembly::ForceLaw;
+use super::elements::Element;
 use super::kernels::Ends;
-use super::mode::{Mode, head};
+use super::mode::Mode;
 use super::plan::{Pair, Plan};
 use super::rates::Workspace;
 use super::resistance::interpolate;
@@ -129,28 +130,6 @@ fn targets(plan: &Plan, mode: &Mode, pair: Pair) -> [Target; 2] {
     [target(pair.on, 1.0), target(pair.against, -1.0)]
 }
 
-fn seeded(x: f64, v: f64) -> [Dual<2>; 2] {
-    [
-        Dual {
-            value: x,
-            slope: [1.0, 0.0],
-        },
-        Dual {
-            value: v,
-            slope: [0.0, 1.0],
-        },
-    ]
-}
-
-/// Contribution of a block between two bodies.
-pub(crate) struct Element {
-    pub(crate) pair: Pair,
-    /// Force on `on`, down, over travel and speed.
-    pub(crate) force: Dual<2>,
-    /// Integral whose rate is a power of the block, and that power.
-    power: Option<(usize, Dual<2>)>,
-}
-
 impl Plan {
     /// Fills the Jacobian at a state.
     pub(crate) fn jacobian(&self, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace, j: &mut Jacobian) {
@@ -190,10 +169,13 @@ impl Plan {
         for i in 0..self.volumes.len() {
             j.pressure[i].clear();
             j.pressure[i].push((energy + i, (self.gamma - 1.0) / w.volume[i]));
-            j.temperature[i] = [
-                (energy + i, (self.gamma - 1.0) / (y[mass + i] * self.gas_constant)),
-                (mass + i, -w.temperature[i] / y[mass + i]),
-            ];
+            j.temperature[i] = match self.temperature {
+                Some(_) => [(energy + i, 0.0), (mass + i, 0.0)],
+                None => [
+                    (energy + i, (self.gamma - 1.0) / (y[mass + i] * self.gas_constant)),
+                    (mass + i, -w.temperature[i] / y[mass + i]),
+                ],
+            };
         }
         for face in &self.faces {
             if let Some(i) = face.volume {
@@ -212,14 +194,16 @@ impl Plan {
     fn face_elements(&self, mode: &Mode, w: &Workspace, j: &mut Jacobian) {
         let ground = self.ground();
         for face in &self.faces {
-            let Some(i) = face.volume else { continue };
+            let Some(i) = face.pressed else { continue };
             for target in targets(self, mode, face.pair) {
                 j.add_gas(target.row, i, target.factor * face.area, 0.0);
             }
             let growth = face.area * w.speed(face.pair);
             let power = face.area * w.pressure[i];
-            let rows = [Some((self.energy() + i, -1.0)), face.work.map(|row| (row, 1.0))];
-            let volume_work = self.volumes[i].ledger.map(|ledger| (ledger.work, 1.0));
+            let swept = face.volume.map(|i| (self.energy() + i, -self.expansion));
+            let rows = [swept, face.work.map(|row| (row, 1.0))];
+            let ledger = self.volumes[i].ledger.filter(|_| face.volume.is_some());
+            let volume_work = ledger.map(|ledger| (ledger.work, 1.0));
             for (row, sign) in rows.into_iter().flatten().chain(volume_work) {
                 j.add_gas(row, i, sign * growth, 0.0);
                 j.add_pair(row, face.pair, 0.0, sign * power, ground);
@@ -230,7 +214,8 @@ impl Plan {
     fn passage_elements(&self, t: f64, mode: &Mode, w: &Workspace, j: &mut Jacobian) {
         let volumes = self.volumes.len();
         for (index, passage) in self.passages.iter().enumerate() {
-            if !passage.is_open(mode) {
+            let arrives = passage.delay.is_none() && passage.is_open(mode);
+            if !arrives && passage.undelayed.is_none() {
                 continue;
             }
             let plain = self.ends(index, w);
@@ -258,7 +243,14 @@ impl Plan {
                 travel: [along(plain.travel[0], 4), along(plain.travel[1], 5)],
             };
             let air = &self.airs[passage.air];
-            let flow = passage.flow(air, mode, &ends, t, None);
+            // A delayed flow depends on the past only.
+            let flow = if arrives {
+                passage.through(air, &ends, t, None)
+            } else {
+                passage.still(&ends)
+            };
+            let leaving = self.leaving(passage, mode, &ends, t, &flow);
+            let [out, into] = passage.carried(&leaving, &flow);
             let mut scatter = |row: usize, factor: f64, value: &Dual<6>| {
                 let [p0, t0, p1, t1, x0, x1] = value.slope;
                 j.add_gas(row, passage.from, factor * p0, factor * t0);
@@ -269,10 +261,10 @@ impl Plan {
                     }
                 }
             };
-            for (gas, sign) in [(passage.from, -1.0), (passage.to, 1.0)] {
+            for (gas, sign, [mass, energy]) in [(passage.from, -1.0, out), (passage.to, 1.0, into)] {
                 if gas < volumes {
-                    scatter(self.energy() + gas, sign, &flow.enthalpy);
-                    scatter(self.mass() + gas, sign, &flow.mass);
+                    scatter(self.energy() + gas, sign, &energy);
+                    scatter(self.mass() + gas, sign, &mass);
                 }
             }
             if let Some(ledger) = passage.ledger {
@@ -375,88 +367,6 @@ impl Plan {
         j.add(driven.work, 2 * driven.body, power);
     }
 
-    /// Passes the forces of all blocks between two bodies to `visit`, with their derivatives.
-    pub(crate) fn pair_elements(&self, mode: &Mode, w: &Workspace, visit: &mut impl FnMut(&Element)) {
-        for contact in self.contacts.iter().filter(|c| mode.is_on(c.switch)) {
-            let [x, v] = seeded(w.travel(contact.pair), w.speed(contact.pair));
-            let (u, rate) = contact.overlap(x, v);
-            let push = contact.push(u, rate);
-            let power = contact.loss.map(|row| (row, push.dashpot * rate));
-            let force = push.force * -contact.side;
-            visit(&Element {
-                pair: contact.pair,
-                force,
-                power,
-            });
-        }
-        for spring in self.springs.iter().filter(|spring| !spring.carries) {
-            if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
-                let [x, v] = seeded(w.travel(spring.pair), w.speed(spring.pair));
-                let found = spring.force(x, v);
-                let power = spring.loss.map(|row| (row, -found.dashpot * v));
-                let force = found.force;
-                visit(&Element {
-                    pair: spring.pair,
-                    force,
-                    power,
-                });
-            }
-        }
-        for friction in &self.frictions {
-            let [x, v] = seeded(w.travel(friction.pair), w.speed(friction.pair));
-            let found = friction.force(mode, x, v);
-            let power = Some((friction.loss, found.dashpot * v));
-            let (force, pair) = (found.force, friction.pair);
-            visit(&Element {
-                pair,
-                force: -force,
-                power,
-            });
-        }
-        for motor in self.motors.iter().filter(|m| mode.is_on(m.switch)) {
-            let [_, v] = seeded(0.0, w.speed(motor.pair));
-            let force = motor.force(v);
-            let power = Some((motor.work, force * v));
-            let pair = motor.pair;
-            visit(&Element { pair, force, power });
-        }
-        for hold in self.holds.iter().filter(|h| mode.is_on(h.switch)) {
-            let [x, v] = seeded(w.travel(hold.pair), w.speed(hold.pair));
-            let found = hold.force(mode.memory[hold.place], x, v);
-            let power = hold.loss.map(|row| (row, -found.dashpot * v));
-            let force = found.force;
-            visit(&Element {
-                pair: hold.pair,
-                force,
-                power,
-            });
-        }
-        for fastener in &self.fasteners {
-            let [x, v] = seeded(w.travel(fastener.work), w.speed(fastener.work));
-            let force = fastener.force(mode, x - fastener.tip_at, v);
-            let power = Some((fastener.penetration, force * v));
-            let pair = fastener.work;
-            visit(&Element {
-                pair,
-                force: -force,
-                power,
-            });
-            if let Some(row) = fastener.guide_loss
-                && mode.switches[fastener.head] == head::ATTACHED
-            {
-                let [_, v] = seeded(0.0, w.speed(fastener.guide));
-                let force = fastener.guide(v);
-                let power = Some((row, force * v));
-                let pair = fastener.guide;
-                visit(&Element {
-                    pair,
-                    force: -force,
-                    power,
-                });
-            }
-        }
-    }
-
     fn scatter(&self, mode: &Mode, element: &Element, j: &mut Jacobian) {
         let (pair, ground) = (element.pair, self.ground());
         for target in targets(self, mode, pair) {
@@ -480,7 +390,9 @@ mod tests {
     use super::*;
     use crate::WoodMotion;
     use crate::coupling::Step;
+    use crate::network::assembly::Polytropic;
     use crate::network::drive::Drive;
+    use crate::network::mode::head;
     use crate::network::{Assembly, AssemblyText, KeyValue};
 
     /// A plan with one block of each kind and law.
@@ -506,6 +418,9 @@ mod tests {
         for contact in plan.contacts.iter().filter(|contact| !contact.carries) {
             mode.switches[contact.switch] = 1;
         }
+        for gate in plan.passages.iter().filter_map(|passage| passage.gate) {
+            mode.switches[gate] = 1;
+        }
         for fastener in &plan.fasteners {
             mode.switches[fastener.head] = head::ATTACHED;
             mode.switches[fastener.depth] = crate::network::mode::depth::LOADING;
@@ -517,6 +432,19 @@ mod tests {
     #[test]
     fn every_kind_of_block_has_the_derivatives_of_differences() {
         let plan = Plan::new(&everything()).unwrap();
+        let (y, mode) = acting(&plan);
+        assert_differences(&plan, &y, &mode);
+    }
+
+    #[test]
+    fn a_polytropic_gas_has_the_derivatives_of_differences() {
+        let mut assembly = everything();
+        assembly.polytropic = Some(Polytropic {
+            exponent: 1.3,
+            inflow: 1.2,
+            temperature: 290.0,
+        });
+        let plan = Plan::new(&assembly).unwrap();
         let (y, mode) = acting(&plan);
         assert_differences(&plan, &y, &mode);
     }

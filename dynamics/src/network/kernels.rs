@@ -337,15 +337,44 @@ impl PassagePlan {
     /// The same mass flow passes all restrictions; the temperature in each is that of the upstream end (C-15).
     #[inline]
     pub(crate) fn flow<S: Real>(&self, air: &Air, mode: &Mode, ends: &Ends<S>, t: f64, near: Option<f64>) -> Flow<S> {
+        if self.is_open(mode) {
+            self.through(air, ends, t, near)
+        } else {
+            self.still(ends)
+        }
+    }
+
+    /// No flow.
+    #[inline]
+    pub(crate) fn still<S: Real>(&self, ends: &Ends<S>) -> Flow<S> {
+        Flow {
+            mass: S::constant(0.0),
+            enthalpy: S::constant(0.0),
+            between: [ends.to.pressure; 2],
+        }
+    }
+
+    /// Mass and energy that leave the first space, and those that reach the second.
+    #[inline]
+    pub(crate) fn carried<S: Real>(&self, leaving: &Flow<S>, arriving: &Flow<S>) -> [[S; 2]; 2] {
+        let [out, into] = [leaving, arriving];
+        match self.weights {
+            None => [[out.mass, out.enthalpy], [into.mass, into.enthalpy]],
+            Some([first, second, inflow]) => {
+                let from = if out.mass.value() >= 0.0 { first } else { inflow };
+                let to = if into.mass.value() >= 0.0 { inflow } else { second };
+                [[out.mass, out.mass * from], [into.mass, into.mass * to]]
+            }
+        }
+    }
+
+    /// Flow through the open passage.
+    #[inline]
+    pub(crate) fn through<S: Real>(&self, air: &Air, ends: &Ends<S>, t: f64, near: Option<f64>) -> Flow<S> {
         let Ends { from, to, travel } = *ends;
         let forward = from.pressure.value() >= to.pressure.value();
-        let still = self.one_way && from.pressure.value() <= to.pressure.value();
-        if still || !self.is_open(mode) {
-            return Flow {
-                mass: S::constant(0.0),
-                enthalpy: S::constant(0.0),
-                between: [to.pressure; 2],
-            };
+        if self.one_way && from.pressure.value() <= to.pressure.value() {
+            return self.still(ends);
         }
         let (up, down) = if forward { (from, to) } else { (to, from) };
         let (rate, between) = match &self.restrictions[..] {

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | description | `assembly`, `text` (its reader) |
 //! | compilation | `plan`, `probe` (channels and expressions), `start` |
-//! | physics | `kernels`, `rates` (right-hand side), `jacobian` |
+//! | physics | `kernels`, `delay` and `past` (of flows), `rates` (right-hand side), `elements`, `jacobian` |
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
 //! | integration | `numerics`, `integrate`, `equations`, `linear`, `tolerances` |
 //! | two-way coupling | `drive` and `wood` (a body whose motion is prescribed), `coupled` |
@@ -16,7 +16,9 @@
 pub mod assembly;
 mod audit;
 mod coupled;
+mod delay;
 mod drive;
+mod elements;
 mod equations;
 mod error;
 mod events;
@@ -28,6 +30,7 @@ mod linear;
 mod locate;
 pub(crate) mod mode;
 mod numerics;
+mod past;
 pub(crate) mod plan;
 mod probe;
 pub(crate) mod rates;

@@ -1,10 +1,14 @@
 //! The right-hand side: loops over the kinds of blocks, each of which reads from and adds to a common workspace.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use super::assembly::ForceLaw;
 use super::drive::Carrier;
 use super::gas::Gas;
 use super::kernels::{Damped, Ends, Flow};
 use super::mode::{Mode, head};
+use super::past::Past;
 use super::plan::{Pair, Plan};
 use super::resistance::interpolate;
 
@@ -45,6 +49,10 @@ pub(crate) struct Workspace {
     /// Time since the start of the window, and force of the support, of a workpiece that an external structure moves.
     pub(crate) clock: f64,
     pub(crate) support: f64,
+    /// Flow that leaves the first space of a passage, where it differs from that which arrives.
+    pub(crate) leaving: Vec<Flow<f64>>,
+    /// Past flows of delayed passages.
+    pub(crate) past: Past,
     /// Net mass flow and enthalpy flow into each volume.
     inflow: Vec<[f64; 2]>,
 }
@@ -78,6 +86,8 @@ impl Workspace {
             pressure,
             temperature,
             flow: vec![still; plan.passages.len()],
+            leaving: vec![still; plan.passages.len()],
+            past: Rc::new(RefCell::new(vec![Vec::new(); plan.passages.len()])),
             thrust: vec![0.0; plan.passages.len()],
             contact: vec![Damped::none(); plan.contacts.len()],
             spring: vec![Damped::none(); plan.springs.len()],
@@ -154,7 +164,10 @@ impl Plan {
             let (u, m) = (y[energy + i], y[mass + i]);
             w.mass[i] = m;
             w.pressure[i] = k * u / w.volume[i];
-            w.temperature[i] = k * u / (m * self.gas_constant);
+            w.temperature[i] = match self.temperature {
+                Some(temperature) => temperature,
+                None => k * u / (m * self.gas_constant),
+            };
         }
     }
 
@@ -180,7 +193,7 @@ impl Plan {
     #[inline]
     pub(crate) fn flow_through(&self, index: usize, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
         let passage = &self.passages[index];
-        if !passage.is_open(mode) {
+        if !passage.is_open(mode) && passage.delay.is_none() && passage.undelayed.is_none() {
             w.flow[index] = Flow {
                 mass: 0.0,
                 enthalpy: 0.0,
@@ -192,7 +205,13 @@ impl Plan {
         let air = &self.airs[passage.air];
         let ends = self.ends(index, w);
         let last = near.then(|| w.flow[index].between[0]);
-        w.flow[index] = passage.flow(air, mode, &ends, t, last);
+        w.flow[index] = match passage.delay {
+            None => passage.flow(air, mode, &ends, t, last),
+            Some(delay) => self.arriving(index, delay, t, mode, w),
+        };
+        if passage.undelayed.is_some() {
+            w.leaving[index] = self.leaving(passage, mode, &ends, t, &w.flow[index]);
+        }
         if passage.jet {
             w.thrust[index] = passage.thrust(air, &ends, &w.flow[index], t);
         }
@@ -334,14 +353,20 @@ impl Plan {
             rate[2 * body + 1] = w.acceleration[body];
         }
         w.inflow.fill([0.0; 2]);
-        for (passage, flow) in self.passages.iter().zip(&w.flow) {
+        for (i, (passage, flow)) in self.passages.iter().zip(&w.flow).enumerate() {
+            let leaving = if passage.undelayed.is_some() {
+                &w.leaving[i]
+            } else {
+                flow
+            };
+            let [out, into] = passage.carried(leaving, flow);
             if let Some(inflow) = w.inflow.get_mut(passage.from) {
-                inflow[0] -= flow.mass;
-                inflow[1] -= flow.enthalpy;
+                inflow[0] -= out[0];
+                inflow[1] -= out[1];
             }
             if let Some(inflow) = w.inflow.get_mut(passage.to) {
-                inflow[0] += flow.mass;
-                inflow[1] += flow.enthalpy;
+                inflow[0] += into[0];
+                inflow[1] += into[1];
             }
             if let Some(ledger) = passage.ledger {
                 rate[ledger.mass] = flow.mass;
@@ -359,7 +384,7 @@ impl Plan {
                     w.heat[i] = cv * temperature * dm - (enthalpy - work);
                     cv * temperature * dm
                 }
-                None => enthalpy + w.heat[i] - work,
+                None => enthalpy + w.heat[i] - work * self.expansion,
             };
             rate[energy + i] = rise;
             rate[mass + i] = dm;

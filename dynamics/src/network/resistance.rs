@@ -47,7 +47,7 @@ impl ShankLaw {
     }
 }
 
-/// Resistance of the work over the depth z of a fastener's tip, on the way in; a law over the speed is evaluated at rest.
+/// Resistance of the work over the depth z of a fastener's tip, on the way in, at rest.
 ///
 /// ```text
 /// E(z) = F_r(min(z, l)) + k_h max(0, z - l)

@@ -12,6 +12,7 @@ pub(crate) fn empty(name: &str, end: f64) -> Assembly {
         name: name.to_owned(),
         gas_constant: 287.05,
         heat_capacity_ratio: 1.4,
+        polytropic: None,
         gravity: 0.0,
         linear_ratio: 1e-3,
         end,
@@ -96,6 +97,7 @@ pub(crate) fn passage(name: &str, from: Space, to: Space, restriction: Restricti
         restrictions: vec![restriction],
         law: PassageLaw::Nozzle,
         one_way: false,
+        exponents: [None; 2],
         gate: None,
         silent: false,
     }

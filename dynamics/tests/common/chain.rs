@@ -34,6 +34,7 @@ pub(crate) fn chain(count: usize) -> Assembly {
             area: 500e-6,
             zero: 0.0,
             perimeter: 0.0,
+            sweeps: true,
         };
         chain
             .faces

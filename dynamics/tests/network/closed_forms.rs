@@ -106,6 +106,7 @@ fn a_gas_spring_turns_where_its_energy_is_back() {
         area: 1000e-6,
         zero: 0.0,
         perimeter: 0.0,
+        sweeps: true,
     };
     spring.faces.push(face("front", Space::Volume(0), Push::Down));
     spring.faces.push(face("back", Space::Reservoir(1), Push::Up));

@@ -47,6 +47,7 @@ fn a_volume_that_vanishes_names_the_body_in_it() {
         area: 1e-3,
         zero: 0.0,
         perimeter: 0.0,
+        sweeps: true,
     });
     let error = refused(&tool);
     assert!(
@@ -121,6 +122,8 @@ fn a_trigger_and_a_gate_that_switch_each_other_are_stopped() {
             inverted: false,
             delay: 0.0,
             before: false,
+            delays_flow: false,
+            leaves_undelayed: false,
             also: None,
         }),
         ..passage("vent", Space::Volume(0), Space::Reservoir(0), constant(1e-6))

@@ -106,6 +106,7 @@ fn a_gas_spring_gives_its_work_to_the_piston() {
             body: 0,
             against: Base::Ground,
             perimeter: 0.0,
+            sweeps: true,
             zero: 0.0,
             ..face.clone()
         });

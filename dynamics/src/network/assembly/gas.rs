@@ -4,6 +4,22 @@ use serde::Serialize;
 
 use super::{Base, Expression, Space};
 
+/// Polytropic law of all volumes, whose gas has the same constant temperature (published form, thesis Eq. 4.26):
+///
+/// ```text
+/// P' = R T/V (sum alpha mdot) - alpha_0 P V'/V
+/// ```
+/// with alpha = `inflow`, or that of the passage for the gas that leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Polytropic {
+    /// Exponent alpha_0 of a change of volume.
+    pub exponent: f64,
+    /// Exponent of the gas that flows.
+    pub inflow: f64,
+    /// Temperature T \[K\].
+    pub temperature: f64,
+}
+
 /// Gas of constant pressure and temperature, without a state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reservoir {
@@ -64,6 +80,8 @@ pub struct Face {
     pub zero: f64,
     /// Wall length around the face: the volume's wall area changes by this times the swept travel \[m\].
     pub perimeter: f64,
+    /// Whether its travel changes the volume.
+    pub sweeps: bool,
 }
 
 /// Passage between two spaces; a flow from `from` to `to` is positive.
@@ -81,6 +99,8 @@ pub struct Passage {
     pub law: PassageLaw,
     /// Whether flow from `to` to `from` is blocked.
     pub one_way: bool,
+    /// Polytropic exponents of the gas that leaves the first and the second space, if they differ from that of inflow.
+    pub exponents: [Option<f64>; 2],
     /// Switching by a trigger, if any.
     pub gate: Option<Gate>,
     /// Whether an opening to the atmosphere is treated as silent.
@@ -208,6 +228,10 @@ pub struct Gate {
     pub delay: f64,
     /// State of the passage before the first change takes effect.
     pub before: bool,
+    /// Whether the delay applies to the flow: that of one delay earlier arrives.
+    pub delays_flow: bool,
+    /// Whether the flow leaves the first space at the trigger's change, without the discharge coefficient.
+    pub leaves_undelayed: bool,
     /// A further condition on the state, if any.
     pub also: Option<Expression>,
 }

@@ -16,7 +16,9 @@ mod reference;
 
 pub use event::{Action, Condition, Edge, Event, Outcome, OutcomeTest, Pick, Trigger, Word};
 pub use expression::{Binary, Channel, Comparison, Expression, Function, Quantity, Sensor};
-pub use gas::{Coefficient, Cone, Face, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Volume, Wall};
+pub use gas::{
+    Coefficient, Cone, Face, Gate, Opens, Passage, PassageLaw, Pipe, Polytropic, Reservoir, Restriction, Volume, Wall,
+};
 pub use mechanics::{
     Body, Contact, ContactDamping, Fastener, FastenerLaw, Force, ForceLaw, Friction, Hold, Motor, Push, Seated, Spring,
     SpringLaw, Start, Stop, Weights, WoodLaw,
@@ -33,6 +35,8 @@ pub struct Assembly {
     pub gas_constant: f64,
     /// Ratio of specific heats.
     pub heat_capacity_ratio: f64,
+    /// Polytropic law in place of the balance of energy; none for an ideal gas.
+    pub polytropic: Option<Polytropic>,
     /// Acceleration of gravity, along +y \[m/s2\].
     pub gravity: f64,
     /// Pressure ratio 1 - r below which a passage's flow is linear in the pressure difference.

@@ -26,12 +26,14 @@ pub(crate) struct VolumeLedger {
 #[derive(Debug, Clone)]
 pub(crate) struct FacePlan {
     pub(crate) gas: usize,
+    /// The volume that presses on it, and that which it sweeps.
+    pub(crate) pressed: Option<usize>,
     pub(crate) volume: Option<usize>,
     pub(crate) pair: Pair,
     pub(crate) area: f64,
     pub(crate) zero: f64,
     pub(crate) perimeter: f64,
-    /// Position of the work on the body, for a face of a volume.
+    /// Position of the work on the body, for a face of a volume; an own one for a face that does not sweep it.
     pub(crate) work: Option<usize>,
 }
 
@@ -113,6 +115,14 @@ pub(crate) struct PassagePlan {
     pub(crate) jet: bool,
     /// Switches of gate, condition and restrictions; the passage is open if all are on.
     pub(crate) switches: Vec<usize>,
+    /// Index of the gate's trigger, and whether the passage is open while it is off.
+    pub(crate) follows: Option<(usize, bool)>,
+    /// Delay of the flow.
+    pub(crate) delay: Option<f64>,
+    /// Factor of the flow that leaves the first space without delay and discharge coefficient.
+    pub(crate) undelayed: Option<f64>,
+    /// For a polytropic gas, energy per mass of the gas that leaves the first and the second space, and of inflow.
+    pub(crate) weights: Option<[f64; 3]>,
     /// Whether a restriction without area closes it permanently.
     pub(crate) shut: bool,
 }

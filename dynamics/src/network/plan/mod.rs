@@ -39,6 +39,12 @@ pub(crate) struct Plan {
     pub(crate) gas_constant: f64,
     pub(crate) gamma: f64,
     pub(crate) cp: f64,
+    /// Constant temperature of a polytropic gas.
+    pub(crate) temperature: Option<f64>,
+    /// Part of the work of a volume that its energy loses; 1 unless the gas is polytropic.
+    pub(crate) expansion: f64,
+    /// Shortest delay of a flow \[s\]; infinite without one.
+    pub(crate) shortest_delay: f64,
     pub(crate) airs: Vec<Air>,
     pub(crate) bodies: Vec<BodyPlan>,
     pub(crate) volumes: Vec<VolumePlan>,
@@ -126,10 +132,11 @@ impl Plan {
         let contacts = forces::contacts(&mut c);
         let springs = forces::springs(&mut c);
         let passages = passages::passages(&mut c, &mut airs, full)?;
+        let balanced = assembly.polytropic.is_none();
         let heat = assembly
             .volumes
             .iter()
-            .any(|v| v.isothermal || v.wall.is_some_and(|w| w.transfer > 0.0))
+            .any(|v| balanced && (v.isothermal || v.wall.is_some_and(|w| w.transfer > 0.0)))
             .then(|| c.integral("heat".to_owned(), "J"));
         let volumes = assembly
             .volumes
@@ -137,9 +144,9 @@ impl Plan {
             .map(|v| VolumePlan {
                 dead: v.dead,
                 wall_area: v.wall.map_or(0.0, |w| w.area),
-                transfer: v.wall.map_or(0.0, |w| w.transfer),
+                transfer: v.wall.filter(|_| balanced).map_or(0.0, |w| w.transfer),
                 wall_temperature: v.wall.map_or(v.temperature, |w| w.temperature),
-                isothermal: v.isothermal.then_some(v.temperature),
+                isothermal: (balanced && v.isothermal).then_some(v.temperature),
                 ledger: full.then(|| VolumeLedger {
                     heat: c.integral(format!("heat.{}", v.name), "J"),
                     work: c.integral(format!("work.{}", v.name), "J"),
@@ -185,6 +192,11 @@ impl Plan {
             gas_constant: assembly.gas_constant,
             gamma: assembly.heat_capacity_ratio,
             cp: airs[0].cp,
+            temperature: assembly.polytropic.map(|law| law.temperature),
+            expansion: assembly
+                .polytropic
+                .map_or(1.0, |law| (law.exponent - 1.0) / (assembly.heat_capacity_ratio - 1.0)),
+            shortest_delay: passages.iter().filter_map(|p| p.delay).fold(f64::INFINITY, f64::min),
             airs,
             bodies,
             volumes,

@@ -4,7 +4,8 @@ use super::compiler::Compiler;
 use super::gas::{AreaPlan, CoefficientPlan, FacePlan, FlowLedger, PassagePlan, RestrictionPlan, TravelPlan};
 use super::mechanics::Pair;
 use crate::network::assembly::{
-    Assembly, Base, Coefficient, Cone, Force, ForceLaw, Opens, Passage, PassageLaw, Push, Space,
+    Assembly, Base, Coefficient, Cone, Force, ForceLaw, Opens, Passage, PassageLaw, Polytropic, Push, Restriction,
+    Space,
 };
 use crate::network::error::RunError;
 use crate::network::gas::Air;
@@ -152,9 +153,24 @@ pub(super) fn passages(c: &mut Compiler<'_>, airs: &mut Vec<Air>, full: bool) ->
             let condition = also.map(|_| c.switch());
             let moving = restrictions.list.iter().filter_map(RestrictionPlan::travel);
             let switches = moving.map(|way| way.switch).chain(gate).chain(condition);
+            let delayed = passage
+                .gate
+                .as_ref()
+                .filter(|gate| gate.delays_flow && gate.delay > 0.0);
+            let per_mass = |law: Polytropic, exponent: Option<f64>| {
+                let rt = assembly.gas_constant * law.temperature;
+                exponent.unwrap_or(law.inflow) * rt / (assembly.heat_capacity_ratio - 1.0)
+            };
             Ok(PassagePlan {
                 switches: switches.collect(),
                 shut: restrictions.list.iter().any(shut),
+                follows: passage.gate.as_ref().map(|gate| (gate.trigger, gate.inverted)),
+                delay: delayed.map(|gate| gate.delay),
+                undelayed: undelayed(passage)?,
+                weights: assembly.polytropic.map(|law| {
+                    let [first, second] = passage.exponents.map(|exponent| per_mass(law, exponent));
+                    [first, second, per_mass(law, None)]
+                }),
                 from: c.gas(passage.from),
                 to: c.gas(passage.to),
                 restrictions: restrictions.list,
@@ -173,6 +189,26 @@ pub(super) fn passages(c: &mut Compiler<'_>, airs: &mut Vec<Air>, full: bool) ->
         .collect()
 }
 
+/// Factor of the flow that leaves a passage without delay and discharge coefficient; none if it leaves as it arrives.
+fn undelayed(passage: &Passage) -> Result<Option<f64>, RunError> {
+    if !passage.gate.as_ref().is_some_and(|gate| gate.leaves_undelayed) {
+        return Ok(None);
+    }
+    match &passage.restrictions[..] {
+        [
+            Restriction {
+                coefficient: Coefficient::Constant(c),
+                pipe: None,
+                ..
+            },
+        ] if *c > 0.0 => Ok(Some(1.0 / c)),
+        _ => Err(RunError::Passage {
+            name: passage.name.clone(),
+            reason: "loses gas undelayed and has more than one restriction with a constant coefficient",
+        }),
+    }
+}
+
 pub(super) fn faces(c: &mut Compiler<'_>) -> Vec<FacePlan> {
     let assembly = c.assembly;
     let mut work = vec![None; assembly.bodies.len()];
@@ -185,17 +221,23 @@ pub(super) fn faces(c: &mut Compiler<'_>) -> Vec<FacePlan> {
                 Space::Reservoir(_) => None,
             };
             let place = &mut work[face.body];
-            if volume.is_some() && place.is_none() {
+            if volume.is_some() && face.sweeps && place.is_none() {
                 *place = Some(c.integral(format!("work.{}", assembly.bodies[face.body].name), "J"));
             }
+            let own = volume.filter(|_| !face.sweeps);
+            let work = match own {
+                Some(_) => Some(c.integral(format!("unswept.{}", face.name), "J")),
+                None => volume.and(*place),
+            };
             FacePlan {
                 gas: c.gas(face.gas),
-                volume,
+                pressed: volume,
+                volume: volume.filter(|_| face.sweeps),
                 pair: c.pair(face.body, face.against),
                 area: face.push.sign() * face.area,
                 zero: face.zero,
                 perimeter: face.push.sign() * face.perimeter,
-                work: volume.and(*place),
+                work,
             }
         })
         .collect()

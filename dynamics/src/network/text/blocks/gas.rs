@@ -1,14 +1,28 @@
 //! Reservoirs, volumes, faces and passages.
 
 use super::list::{each, is_atmosphere, parent};
-use super::tables::gas::{CONES, FACE, FLOW_LAWS, LAW_WORDS, PASSAGE, RESERVOIR, RESTRICTION, VOLUME};
+use super::tables::gas::{
+    CONES, DELAYS, FACE, FLOW_LAWS, GASES, LAW_WORDS, LEAVES, PASSAGE, RESERVOIR, RESTRICTION, VOLUME,
+};
 use crate::network::assembly::{
-    Base, Coefficient, Face, Family, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Space, Volume,
-    Wall,
+    Base, Coefficient, Face, Family, Gate, Opens, Passage, PassageLaw, Pipe, Polytropic, Reservoir, Restriction, Space,
+    Volume, Wall,
 };
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::resolver::Resolver;
+
+/// The polytropic law of the gas, if it has one.
+pub(super) fn polytropic(gas: &Fields<'_, '_>) -> Result<Option<Polytropic>, AssemblyError> {
+    if gas.word("law", &GASES)? != Some(true) {
+        return Ok(None);
+    }
+    Ok(Some(Polytropic {
+        exponent: gas.required("exponent")?,
+        inflow: gas.required("inflow_exponent")?,
+        temperature: gas.required("temperature")?,
+    }))
+}
 
 pub(super) fn reservoirs(resolver: &Resolver<'_>) -> Result<Vec<Reservoir>, AssemblyError> {
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
@@ -63,6 +77,7 @@ pub(super) fn faces(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<Fac
             area: fields.required("area")?,
             zero: fields.or("zero", 0.0)?,
             perimeter: fields.or("perimeter", 0.0)?,
+            sweeps: fields.flag("sweeps", true)?,
         })
     };
     each(resolver, Family::Face, &FACE)?.into_iter().map(read).collect()
@@ -91,6 +106,10 @@ pub(super) fn passages(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<
             restrictions,
             law: law(&fields)?,
             one_way: fields.flag("one_way", false)?,
+            exponents: [
+                fields.quantity("outflow_exponent")?,
+                fields.quantity("backflow_exponent")?,
+            ],
             gate: gate.map(|gate| read_gate(&gate)).transpose()?,
             silent: fields.flag("silent", false)?,
         })
@@ -267,6 +286,8 @@ fn read_gate(gate: &Fields<'_, '_>) -> Result<Gate, AssemblyError> {
         inverted,
         delay: gate.or("delay", 0.0)?,
         before: gate.flag("before", false)?,
+        delays_flow: gate.word("delays", &DELAYS)?.unwrap_or(false),
+        leaves_undelayed: gate.word("leaves", &LEAVES)?.unwrap_or(false),
         also: None,
     })
 }

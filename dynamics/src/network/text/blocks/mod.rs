@@ -45,6 +45,7 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
         name: resolver.text.name.clone(),
         gas_constant: gas.required("constant")?,
         heat_capacity_ratio: gas.required("ratio")?,
+        polytropic: gas::polytropic(&gas)?,
         gravity,
         linear_ratio: top.or("linear", LINEAR)?,
         end: top.required("end")?,

@@ -26,7 +26,11 @@ pub(super) fn do_not_collapse(resolver: &Resolver<'_>, assembly: &Assembly) -> R
     for (index, volume) in assembly.volumes.iter().enumerate() {
         let mut least = volume.dead;
         let mut worst = (0.0, "", 0.0);
-        for face in assembly.faces.iter().filter(|face| face.gas == Space::Volume(index)) {
+        for face in assembly
+            .faces
+            .iter()
+            .filter(|face| face.sweeps && face.gas == Space::Volume(index))
+        {
             let travel = smallest_at(assembly, face);
             let swept = face.push.sign() * face.area * (travel - face.zero);
             least += swept;

@@ -21,6 +21,18 @@ const FLOW_WORDS: [&str; 1] = words(&FLOW_LAWS);
 pub(in crate::network::text::blocks) const LAW_WORDS: [(&str, bool); 2] = [("nozzle", true), ("iso6358", false)];
 const LAWS: [&str; 2] = words(&LAW_WORDS);
 
+/// Laws of the gas, and whether it is polytropic.
+pub(in crate::network::text::blocks) const GASES: [(&str, bool); 2] = [("ideal", false), ("polytropic", true)];
+pub(in crate::network::text::blocks) const GAS_WORDS: [&str; 2] = words(&GASES);
+/// What the delay of a gate applies to, and whether that is the flow.
+pub(in crate::network::text::blocks) const DELAYS: [(&str, bool); 2] = [("switching", false), ("flow", true)];
+const DELAY_WORDS: [&str; 2] = words(&DELAYS);
+/// When gas leaves the first space, and whether that is without the delay.
+pub(in crate::network::text::blocks) const LEAVES: [(&str, bool); 2] = [("delayed", false), ("undelayed", true)];
+const LEAVE_WORDS: [&str; 2] = words(&LEAVES);
+/// A polytropic exponent.
+pub(in crate::network::text::blocks) const EXPONENT: Kind = positive(NUMBER).within(0.5, 2.0);
+
 const SPACE: &str = "volume or reservoir";
 const COEFFICIENT: Kind = nonnegative(NUMBER).within(0.0, 10.0);
 
@@ -110,6 +122,7 @@ pub(in crate::network::text::blocks) const FACE: TableSpec = TableSpec::of(
             "\"85 mm\"",
             "perimeter, for heat transfer along the travel (0)",
         ),
+        flag("sweeps", "whether its travel changes the volume (true)"),
     ],
 );
 
@@ -227,6 +240,16 @@ const GATE: TableSpec = TableSpec::of(
             "before",
             "whether it is open until the first change of the trigger reaches it (false)",
         ),
+        one_of(
+            "delays",
+            &DELAY_WORDS,
+            "whether the delay applies to the switching, or to the flow (\"switching\")",
+        ),
+        one_of(
+            "leaves",
+            &LEAVE_WORDS,
+            "whether the first space loses what arrives, or the flow without delay and coefficient (\"delayed\")",
+        ),
     ],
 );
 
@@ -264,6 +287,18 @@ pub(in crate::network::text::blocks) const PASSAGE: TableSpec = TableSpec::of(
         ),
         OF_COEFFICIENT,
         flag("one_way", "whether only the positive flow passes (false)"),
+        quantity(
+            "outflow_exponent",
+            EXPONENT,
+            "\"=model.polytropic_outflow\"",
+            "polytropic exponent of the gas that leaves the first space (that of inflow)",
+        ),
+        quantity(
+            "backflow_exponent",
+            EXPONENT,
+            "\"=model.polytropic_outflow\"",
+            "polytropic exponent of the gas that leaves the second space (that of inflow)",
+        ),
         table("open", &GATE, "trigger that opens and shuts the passage"),
         flag("silent", "whether a flow to the atmosphere makes no noise (false)"),
         field(

@@ -7,7 +7,7 @@ pub(super) mod mechanics;
 pub(super) mod outputs;
 mod phrases;
 
-use nailnoise_quantities::dimension::{ACCELERATION, GAS_CONSTANT, NUMBER, TIME};
+use nailnoise_quantities::dimension::{ACCELERATION, GAS_CONSTANT, NUMBER, TEMPERATURE, TIME};
 use nailnoise_quantities::{any, nonnegative, positive};
 
 use crate::network::assembly::Ledger;
@@ -32,6 +32,29 @@ const GAS: TableSpec = TableSpec::of(
             positive(NUMBER).within(1.01, 1.7),
             "1.4",
             "ratio of the heat capacities",
+        ),
+        one_of(
+            "law",
+            &gas::GAS_WORDS,
+            "balance of energy, or a polytropic law (\"ideal\")",
+        ),
+        quantity(
+            "exponent",
+            gas::EXPONENT,
+            "\"=model.polytropic\"",
+            "polytropic exponent of a change of volume",
+        ),
+        quantity(
+            "inflow_exponent",
+            gas::EXPONENT,
+            "\"=model.polytropic_inflow\"",
+            "polytropic exponent of the gas that flows",
+        ),
+        quantity(
+            "temperature",
+            positive(TEMPERATURE),
+            "\"=ambient.temperature\"",
+            "constant temperature of a polytropic gas",
         ),
     ],
 );
