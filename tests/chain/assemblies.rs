@@ -234,13 +234,31 @@ fn switches_that_an_assembly_does_not_follow_are_refused_at_their_place() {
         ("model.gas", "model.gas = \"published\""),
         ("wood.penetration_law", "wood.penetration_law = \"constant\""),
     ] {
-        let own = small(&format!("{text}\n[cycle]\nassembly = \"n80cb\""));
+        let own = small(&format!("{text}\n[cycle]\nassembly = \"blow_gun\""));
         let refused = chain::shot(&own).unwrap_err();
         let Error::Design(error) = refused else {
             panic!("{key}: {refused}")
         };
         assert!(error.to_string().contains(key), "{error}");
     }
+}
+
+#[test]
+fn an_assembly_based_on_the_n80cb_follows_the_switches_of_the_model_and_the_wood() {
+    let shot = |text: &str, cycle: &str| {
+        chain::shot(&small(&format!("{text}\n{cycle}")))
+            .unwrap()
+            .fastener_depth()
+    };
+    let own = "[cycle]\nassembly = \"n80cb\"";
+    for text in ["", "model.gas = \"published\"", "wood.penetration_law = \"constant\""] {
+        let (of_assembly, of_keys) = (shot(text, own), shot(text, ""));
+        assert!(
+            (of_assembly - of_keys).abs() < 1e-6,
+            "{text}: {of_assembly} m, {of_keys} m"
+        );
+    }
+    assert!((shot("model.gas = \"published\"", own) - shot("", own)).abs() > 1e-5);
 }
 
 #[test]

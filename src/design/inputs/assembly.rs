@@ -78,8 +78,10 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     if let Some((key, remedy)) = ignored(design, &resolved) {
         return Err(design.refuse_for_assembly(&key, remedy).into());
     }
+    let mut assembly = resolved.assembly;
+    assembly.set_resistance(None, super::cycle::fitted_law(design)?.as_ref());
     Ok(Some(AssembledCycle {
-        assembly: resolved.assembly,
+        assembly,
         numerics: numerics(design),
     }))
 }
@@ -102,8 +104,7 @@ fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str
     design.visit("", &mut |key, _, value| {
         let remedy = match (key, value) {
             (_, Value::Choice("published")) if key.starts_with("model.") => {
-                "remove it: the published forms are those of the tool of the keys; an assembly uses the corrected \
-                 ones unless its formulas read the switch"
+                "remove it: no formula of the assembly reads the switch, as those of the assembly n80cb do"
             }
             ("wood.penetration_law", _) if own_law => {
                 "give the law of the fastener in the assembly: `law = { kind = \"constant\", force = .. }` or \
@@ -112,7 +113,7 @@ fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str
             ("wood.rate", Value::Choice("speed"))
             | ("wood.head_law", Value::Choice("yields"))
             | ("model.blow", Value::Choice("elastic")) => {
-                "remove it: only the cycle of the keys follows it, unless a formula of the assembly reads the key"
+                "remove it: no formula of the assembly reads the key, as those of the assembly n80cb do"
             }
             _ => return,
         };
