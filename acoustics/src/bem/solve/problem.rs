@@ -174,7 +174,8 @@ impl Exterior {
         self.cover = Some(cover);
     }
 
-    pub(crate) fn cover(&self) -> Option<&SurfaceCover> {
+    /// The porous layer on the surface.
+    pub fn cover(&self) -> Option<&SurfaceCover> {
         self.cover.as_ref()
     }
 
