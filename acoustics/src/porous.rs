@@ -62,8 +62,8 @@ impl PorousLayer {
         self.resistivity
     }
 
-    /// The layer whose results in standard air, at the same wavelength, are those of this layer in the given air: Z/(rho
-    /// c) and k c/omega depend on f/sigma only.
+    /// The layer whose results in standard air, at the same wavelength, are those of this layer in the given air,
+    /// because Z/(rho c) and k c/omega depend on f/sigma only.
     #[must_use]
     pub fn in_standard_air(&self, air: &Air) -> Self {
         Self {
@@ -86,8 +86,8 @@ impl PorousLayer {
     /// ```
     ///
     /// With w = 0 this is the transfer matrix of a layer of fluid (Allard & Atalla 2009, section 2.3); Y is the
-    /// admittance of the layer on a rigid wall in both cases. Without flow resistance both have |T/(1 + rho0 c0 Y)| = 1:
-    /// a layer of air does not change a plane wave.
+    /// admittance of the layer on a rigid wall in both cases. Without flow resistance both have |T/(1 + rho0 c0 Y)| =
+    /// 1, because a layer of air does not change a plane wave.
     pub fn transfer(&self, hz: f64, air: &Air) -> LayerTransfer {
         let (z, k) = miki_fluid(hz, self.resistivity, air);
         let along = k * self.thickness;

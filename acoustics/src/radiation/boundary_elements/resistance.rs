@@ -163,7 +163,7 @@ impl Exterior {
         evaluated.into_iter().collect()
     }
 
-    /// Both evaluations on a covered surface. R is that of the radiated sound: what the layer absorbs is not part of it.
+    /// Both evaluations on a covered surface. R is that of the radiated sound, without what the layer absorbs.
     fn covered_evaluations(
         &self,
         data: &[NeumannData],

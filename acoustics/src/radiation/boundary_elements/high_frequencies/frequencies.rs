@@ -44,8 +44,8 @@ pub(crate) struct Limit {
 }
 
 /// The limit of all parities. The last patch, which is added to those of the boundary, radiates nothing. A porous cover
-/// changes the power of each point as that of a plane wave; differences of phase between covered and bare faces are left
-/// out.
+/// changes the power of each point as that of a plane wave; differences of phase between covered and bare faces are
+/// left out.
 pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], bands: &MeanBands) -> Vec<Limit> {
     let air = problem.air();
     let faces = Faces::new(problem.boundary(), air.sound_speed / bands.upper_hz());
