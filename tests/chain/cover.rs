@@ -61,14 +61,31 @@ fn a_cover_on_the_cap_and_one_on_the_rest_differ_from_a_cover_on_both() {
     let [cap, rest] = [CoverSurfaces::Cap, CoverSurfaces::Housing]
         .map(|surfaces| level(&covered(surfaces, 0.03, Convention::Physical), 2000.0));
     let [bare, both] = [&BARE, &COVERED].map(|run| level(run, 2000.0));
-    assert!(both < rest && rest < bare && both < cap && cap < bare, "{both} {rest} {cap} {bare} dB");
+    assert!(
+        both < rest && rest < bare && both < cap && cap < bare,
+        "{both} {rest} {cap} {bare} dB"
+    );
 }
 
 #[test]
 fn a_note_describes_the_cover_and_where_its_law_is_extrapolated() {
-    let note = COVERED.result.method_notes.iter().find(|note| note.contains("porous cover"));
-    assert!(note.unwrap().contains("30.0 mm with 10.0 kPa s/m2 on the housing and cap"), "{note:?}");
-    assert!(!BARE.result.method_notes.iter().any(|note| note.contains("porous cover")));
+    let note = COVERED
+        .result
+        .method_notes
+        .iter()
+        .find(|note| note.contains("porous cover"));
+    assert!(
+        note.unwrap()
+            .contains("30.0 mm with 10.0 kPa s/m2 on the housing and cap"),
+        "{note:?}"
+    );
+    assert!(
+        !BARE
+            .result
+            .method_notes
+            .iter()
+            .any(|note| note.contains("porous cover"))
+    );
 }
 
 #[test]
@@ -80,8 +97,14 @@ fn a_cover_on_a_body_without_boundary_elements_is_refused() {
     for (settings, value) in [
         ("body.model = \"rigid\"", "`body.model` is \"rigid\""),
         ("acoustics.body_method = \"erp\"", "`acoustics.body_method` is \"erp\""),
-        ("acoustics.fluid_loading = \"full\"", "`acoustics.fluid_loading` is \"full\""),
-        ("acoustics.bem_equations = \"compressed\"", "`acoustics.bem_equations` is \"compressed\""),
+        (
+            "acoustics.fluid_loading = \"full\"",
+            "`acoustics.fluid_loading` is \"full\"",
+        ),
+        (
+            "acoustics.bem_equations = \"compressed\"",
+            "`acoustics.bem_equations` is \"compressed\"",
+        ),
     ] {
         let error = refused(settings);
         assert!(error.contains(value), "{error}");
