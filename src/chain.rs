@@ -20,6 +20,7 @@ use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
 use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::levels::{Levels, ShotLevels};
+use crate::stages::motion_bands::{BodyBands, MotionBands};
 use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
 use crate::stages::sensors::{SensorRecord, Sensors};
@@ -87,6 +88,8 @@ pub struct Chain {
     pub levels: Stored<Levels>,
     /// Keys of modes and of radiation in standard air, which are shared by shots with the same structures.
     pub(crate) structures: Vec<Digest>,
+    /// Motion of the elastic bodies in third octaves.
+    pub motion: Stored<Vec<BodyBands>>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
     /// Signals of the pressure transducers.
@@ -160,6 +163,7 @@ impl Chain {
         let modal = bodies.modal().map(|body| *body.key());
         Ok(Self {
             engine: engine.clone(),
+            motion: graph.add(MotionBands { bodies: shot.moving() }),
             moving: shot.moving(),
             graph: graph.clone(),
             begin,

@@ -18,6 +18,7 @@ use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
 use crate::stages::cycle::{EngineRecord, EventTimes, EventWords, ShotRecord};
 use crate::stages::microphones::{AtMicrophones, Microphones};
+use crate::stages::motion_bands::BodyBands;
 use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
@@ -37,6 +38,8 @@ pub struct Run {
     pub powers: Vec<SoundPower>,
     /// Quantities of the sources at every sample of the cycle.
     pub histories: Vec<SourceHistory>,
+    /// Motion of the elastic bodies in third octaves.
+    pub motion: Arc<Vec<BodyBands>>,
     /// Signals of the design's sensors, by name.
     pub sensors: Arc<Vec<SensorRecord>>,
     /// Signals of the design's pressure transducers, by name.
@@ -79,7 +82,7 @@ impl RunResult {
 impl Chain {
     /// Everything that the result of a run reads.
     pub fn outputs(&self) -> Vec<&dyn Input<Error>> {
-        let mut all: Vec<&dyn Input<Error>> = vec![&self.sensors];
+        let mut all: Vec<&dyn Input<Error>> = vec![&self.motion, &self.sensors];
         all.extend(self.response_report.iter().map(|report| report as &dyn Input<Error>));
         all.extend(self.sources.iter().flat_map(SourceStages::outputs));
         all.extend(self.tool_report.iter().map(|report| report as &dyn Input<Error>));
@@ -181,7 +184,7 @@ impl Chain {
         let sounds = self.sources.iter().map(|own| own.sound.get());
         let sounds: Vec<Arc<SourceSound>> = sounds.collect::<Result<_, Error>>()?;
         let response = self.response_report.as_ref().map(Stored::get).transpose()?;
-        let sensors = self.sensors.get()?;
+        let (motion, sensors) = (self.motion.get()?, self.sensors.get()?);
         let transducers = self.transducers.get()?;
         let tool = self.tool_report.as_ref().map(Stored::get).transpose()?;
         let starts = self.starts()?;
@@ -307,6 +310,7 @@ impl Chain {
                 .iter()
                 .flat_map(|sound| sound.histories.iter().cloned())
                 .collect(),
+            motion,
             sensors,
             transducers,
             microphones,

@@ -24,6 +24,7 @@ mod penetration_curve;
 mod rate;
 mod resistance;
 mod resistance_law;
+mod rings;
 mod shanks;
 mod table;
 mod tables;

@@ -5,6 +5,7 @@ use super::extension::extended;
 use super::fit::{FittedLaw, LawOfDrive};
 use super::law::Curve;
 use super::rate::RateSplit;
+use super::rings::GrowthRings;
 use super::shanks::Shanks;
 use super::{ForceTable, NailedWood, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen};
 
@@ -31,6 +32,7 @@ pub struct Resistance {
     law: Law,
     scale: f64,
     split: RateSplit,
+    rings: Option<GrowthRings>,
 }
 
 #[derive(Debug, Clone)]
@@ -80,6 +82,7 @@ impl Resistance {
             law,
             scale,
             split: RateSplit::inert(&shanks, 0.0, specimen.length),
+            rings: None,
         };
         let impact = quasi_static.fitted().map_or(0.0, LawOfDrive::usual_impact);
         let full = quasi_static.evaluate(specimen.length, 0.0, impact);
@@ -88,26 +91,33 @@ impl Resistance {
             Law::Fitted(_) => RateSplit::inert(&shanks, full, specimen.length),
             _ => RateSplit::new(wood, &shanks, full, specimen.length),
         };
-        Self { split, ..quasi_static }
+        Self {
+            split,
+            rings: GrowthRings::new(wood, specimen.length),
+            ..quasi_static
+        }
     }
 
     /// Force at depth `z` and nail speed `v` in the wood, after an impact of the rod at `impact` \[m/s\], with its
     /// derivatives, smoothly continued above the surface.
     #[inline]
     pub fn evaluate<S: Real>(&self, z: S, v: S, impact: f64) -> S {
-        let force = self.quasi_static(z, v, impact);
-        if self.split.changes() {
-            let [friction, tip] = self.split.parts(force, z, v);
+        if self.split.changes() || self.rings.is_some() {
+            let [friction, tip] = self.parts(z, v, impact);
             friction + tip
         } else {
-            force
+            self.quasi_static(z, v, impact)
         }
     }
 
     /// Friction along the shank and force of the tip, whose sum is [`evaluate`](Self::evaluate).
     #[inline]
     pub fn parts<S: Real>(&self, z: S, v: S, impact: f64) -> [S; 2] {
-        self.split.parts(self.quasi_static(z, v, impact), z, v)
+        let [friction, tip] = self.split.parts(self.quasi_static(z, v, impact), z, v);
+        match &self.rings {
+            Some(rings) => [friction, rings.on_tip(tip, z)],
+            None => [friction, tip],
+        }
     }
 
     #[inline]

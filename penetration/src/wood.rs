@@ -1,7 +1,7 @@
 //! Wood properties used by the laws.
 
-use nailnoise_quantities::dimension::{DENSITY, FORCE, NUMBER, STIFFNESS, VELOCITY, VELOCITY_SQUARED};
-use nailnoise_quantities::{any, choice, group, nonnegative, positive};
+use nailnoise_quantities::dimension::{DENSITY, FORCE, LENGTH, NUMBER, STIFFNESS, VELOCITY, VELOCITY_SQUARED};
+use nailnoise_quantities::{Kind, any, choice, fraction, group, nonnegative, positive};
 
 use super::ResistanceLaw;
 
@@ -69,6 +69,12 @@ group! {
         head_law: HeadLaw = HeadLaw::KIND, "";
         /// Multiplier on the pull-through resistance at which the head yields; unused with a linear head.
         head_yield_scale: f64 = positive(NUMBER).within(0.01, 100.0), "";
+        /// Rise and fall of the tip's resistance in each growth ring that the nail crosses; 0 for wood without rings.
+        ring_amplitude: f64 = fraction(), "a";
+        /// Mean width of a growth ring; single ones differ from it by up to a quarter. Unused without rings.
+        ring_width: f64 = positive(LENGTH).within(1e-4, 0.1), "s";
+        /// Number from which the widths and the place of the surface in the first ring are drawn. Unused without rings.
+        ring_seed: u32 = Kind::Count(1_000_000), "";
     }
 }
 
@@ -85,6 +91,9 @@ impl NailedWood {
             shear_speed: 700.0,
             head_law: HeadLaw::Linear,
             head_yield_scale: 1.0,
+            ring_amplitude: 0.0,
+            ring_width: 4e-3,
+            ring_seed: 1,
         }
     }
 }

@@ -163,7 +163,7 @@ fn requirements(
         BodyKind::Tool => {
             let cap = inputs::radiation::cap(design);
             let places = inputs::radiation::tool_places(design);
-            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap, places));
+            let radiating = inputs::radiation::tool(design)?.map(|elements| Radiating::Tool(elements, cap, places));
             (Carrier::Tool, radiating)
         }
         BodyKind::Workpiece | BodyKind::Worktable => {

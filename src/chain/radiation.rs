@@ -116,7 +116,7 @@ fn tool_radiation(context: Context<'_>, stages: &BodyStages, acts: Loading) -> R
         air,
         shared,
     } = context;
-    let Some(elements) = inputs::radiation::tool(design) else {
+    let Some(elements) = inputs::radiation::tool(design)? else {
         return Ok(None);
     };
     // A user's housing has its own modes: most of the tool's mass is lumped on it, and the motion that standard

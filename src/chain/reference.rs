@@ -417,7 +417,7 @@ mod tests {
 
     /// The surfaces of the tool used by boundary elements: with and without a separate cap.
     fn tool_shapes(design: &Design) -> [RadiatingShape; 2] {
-        let elements = inputs::radiation::tool(design).unwrap();
+        let elements = inputs::radiation::tool(design).unwrap().unwrap();
         let mut wrapped = design.clone();
         wrapped.sources.convention = Convention::Wrapping;
         let cap = inputs::radiation::cap(&wrapped).unwrap();

@@ -19,6 +19,7 @@ pub(super) fn in_words(stage: &str) -> &str {
         "modal spectra" => "vibration of a body over frequency",
         "modes" => "vibration modes of a body",
         "motion of the coupled response" => "motion of workpiece and tool together",
+        "motion in bands" => "vibration of the bodies in bands",
         "nailing cycle of the coupled response" | "nailing cycle with workpiece and support" => {
             "nailing cycle on the moving workpiece"
         }

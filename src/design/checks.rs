@@ -29,7 +29,7 @@ impl Values {
 }
 
 /// Applies the rules in order; the first violation is reported.
-const RULES: [fn(&Values) -> Result<(), Conflict>; 12] = [
+const RULES: [fn(&Values) -> Result<(), Conflict>; 13] = [
     nail,
     blow,
     tool,
@@ -39,6 +39,7 @@ const RULES: [fn(&Values) -> Result<(), Conflict>; 12] = [
     seated,
     nose,
     body,
+    cover,
     |v| supports::of(v).check(),
     |v| elastic("wood.elastic", &v.wood.elastic.axes()),
     analysis,
@@ -234,6 +235,45 @@ fn body(v: &Values) -> Result<(), Conflict> {
     incompressible("body.housing.poisson_ratio", b.housing.poisson_ratio)?;
     incompressible("body.nose.poisson_ratio", b.nose.poisson_ratio)?;
     incompressible("body.sleeve.poisson_ratio", b.sleeve.poisson_ratio)
+}
+
+/// Checks that a cover lies on a surface that radiates by boundary elements, with their dense matrix, and that no mass
+/// of the air acts, which would include that of the air in the cover.
+fn cover(v: &Values) -> Result<(), Conflict> {
+    if v.body.cover.surfaces == CoverSurfaces::None {
+        return Ok(());
+    }
+    let elastic = "it changes the radiation of an elastic housing by boundary elements";
+    let refused = |broken, key, value, allowed, because| {
+        refuse(
+            broken,
+            Conflict::Cover {
+                key,
+                value,
+                allowed,
+                because,
+            },
+        )
+    };
+    let a = &v.acoustics;
+    let rigid = v.body.model == BodyModel::Rigid;
+    refused(rigid, "body.model", "rigid", "\"elastic\"", elastic)?;
+    let erp = a.body_method == RadiationMethod::Erp;
+    refused(erp, "acoustics.body_method", "erp", "\"bem\"", elastic)?;
+    refused(
+        a.fluid_loading == FluidLoading::Full,
+        "acoustics.fluid_loading",
+        "full",
+        "\"damping\" or \"none\"",
+        "the mass of the air in the cover is not computed",
+    )?;
+    refused(
+        a.bem_equations == BemEquations::Compressed,
+        "acoustics.bem_equations",
+        "compressed",
+        "\"auto\" or \"dense\"",
+        "a covered surface is solved with a dense matrix",
+    )
 }
 
 /// Checks that the parts of the tool body meet, and that none is below the tip of the nose.

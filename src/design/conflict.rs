@@ -165,6 +165,18 @@ pub enum Conflict {
     /// Both a fitting and a muffler are on the same holes.
     #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
     FittingAndMuffler,
+    /// A cover needs another setting.
+    #[error("`body.cover.surfaces` puts a cover on the tool, and `{key}` is \"{value}\": {because}")]
+    Cover {
+        /// The key of the setting.
+        key: &'static str,
+        /// Its value.
+        value: &'static str,
+        /// The values that a cover allows.
+        allowed: &'static str,
+        /// The reason.
+        because: &'static str,
+    },
     /// Nothing supports a body that rests on springs.
     #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
     NotCarried {
@@ -280,6 +292,7 @@ impl Conflict {
             Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
             Self::MicrophonesInSand { .. } => vec!["support.sand.box_depth", "support.sand.measurement_plane"],
             Self::FittingAndMuffler => vec!["exhaust.fitting.kind", "exhaust.muffler.kind"],
+            Self::Cover { key, .. } => vec!["body.cover.surfaces", key],
             Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
             Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
             Self::TimeStep { .. } => vec![
@@ -353,6 +366,9 @@ impl Conflict {
             }
             Self::FittingAndMuffler => {
                 "choose one: `exhaust.fitting.kind = \"none\"` or `exhaust.muffler.kind = \"none\"`".to_owned()
+            }
+            Self::Cover { key, allowed, .. } => {
+                format!("set `{key}` to {allowed}, or `body.cover.surfaces = \"none\"`")
             }
             Self::MicrophonesInSand { .. } => {
                 "lower `support.sand.box_depth`, or choose `support.sand.measurement_plane = \"sand\"`".to_owned()

@@ -316,10 +316,9 @@ pub enum Problem {
         /// The fault of the surface.
         problem: SurfaceProblem,
     },
-    /// The cap cannot be separated from the rest of the tool body, although its outer side counts towards the exhaust.
-    #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the \
-        exhaust", panels[0],
-        panels[1])]
+    /// The cap cannot be separated from the rest of the tool body, although its outer side counts towards the exhaust,
+    /// or differs from the rest by its cover.
+    #[error("{} of {} panels of the tool's outline are its cap, which is set apart here", panels[0], panels[1])]
     Cap {
         /// Name of the surface in the file of a body; none for the parametric one.
         surface: Option<&'static str>,
@@ -501,12 +500,12 @@ impl Problem {
             } => format!(
                 "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = \
                  ...), give its \
-                 place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose \"physical\""
+                 place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose \"physical\", with a cover \
+                 on both surfaces or none"
             ),
             Self::Cap { surface: None, .. } => {
                 "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or \
-                 choose \
-                 \"physical\""
+                 choose \"physical\", with a cover on both surfaces or none"
                     .to_owned()
             }
             Self::Spring { .. } => {

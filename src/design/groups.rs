@@ -481,6 +481,47 @@ group! {
         housing: Isotropic,
         nose: Isotropic,
         sleeve: Isotropic,
+        cover: Cover,
+    }
+}
+
+choice! {
+    /// Surfaces of the tool under a sound absorbing cover.
+    CoverSurfaces {
+        /// None.
+        None = "none",
+        /// The outer surface without cap, handle and tip of the nose.
+        Housing = "housing",
+        /// The outer side of the cap; the exhaust holes stay open.
+        Cap = "cap",
+        /// Both.
+        Both = "both",
+    }
+}
+
+choice! {
+    /// What the frame of the cover's foam does.
+    CoverFrame {
+        /// It moves with the wall, to which it is glued, as below the first resonance of its thickness.
+        Moving = "moving",
+        /// It rests, as that of a cover on soft spacers, or far above that resonance.
+        Resting = "resting",
+    }
+}
+
+group! {
+    /// Sound absorbing cover on the tool: a layer of open-cell foam or felt, as a locally reacting layer of the law of
+    /// Miki (1990) after Delany and Bazley. It changes the radiation of the elastic body by boundary elements; the
+    /// motion of the wall, the exhaust and the mass of the tool are those of the bare tool.
+    Cover {
+        /// The surfaces under it; the other keys are used with a cover only.
+        surfaces: CoverSurfaces = CoverSurfaces::KIND, "";
+        /// Thickness.
+        thickness: f64 = nonnegative(LENGTH).within(0.0, 0.2), "t";
+        /// Flow resistivity of the material.
+        resistivity: f64 = positive(FLOW_RESISTIVITY).within(500.0, 1e6), "sigma";
+        /// What its frame does. The truth lies between both.
+        frame: CoverFrame = CoverFrame::KIND, "";
     }
 }
 

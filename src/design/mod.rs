@@ -434,8 +434,12 @@ impl Design {
     /// The error that the cap's panels cannot be separated from those of the rest of the tool body; `panels` are their
     /// numbers.
     pub(crate) fn refuse_cap(&self, surface: Option<&'static str>, panels: [usize; 2]) -> DesignError {
-        let convention = self.records.get("sources.convention");
-        Problem::Cap { surface, panels }.at(convention.map(|record| record.place.clone()))
+        let key = match self.sources.convention {
+            Convention::Wrapping => "sources.convention",
+            Convention::Physical => "body.cover.surfaces",
+        };
+        let record = self.records.get(key);
+        Problem::Cap { surface, panels }.at(record.map(|record| record.place.clone()))
     }
 
     /// The error that the place of a surface of this design is wrong.

@@ -7,14 +7,14 @@ use super::network::of_network;
 use super::{Exports, File, Output, RunView, Writer};
 use super::{body_fields, paraview, transducers};
 use super::{
-    events, figures, histories, intervals, levels, log, loudness, microphones, power, radiation, ranking, result,
-    sensors,
+    events, figures, histories, intervals, levels, log, loudness, microphones, motion_bands, power, radiation, ranking,
+    result, sensors,
 };
 use crate::error::Error;
 use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 /// Every output of a run.
-pub const OUTPUTS: [Output; 25] = [
+pub const OUTPUTS: [Output; 26] = [
     result::RESULT,
     result::REPORT,
     ranking::RANKING,
@@ -32,6 +32,7 @@ pub const OUTPUTS: [Output; 25] = [
     sensors::HISTORIES,
     sensors::SPECTRA,
     sensors::UNIVERSAL,
+    motion_bands::BANDS,
     transducers::HISTORIES,
     transducers::UNIVERSAL,
     microphones::LEVELS,

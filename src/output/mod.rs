@@ -18,6 +18,7 @@ mod microphones;
 mod modal_shapes;
 mod modes;
 mod motion;
+mod motion_bands;
 mod network;
 mod paraview;
 mod power;

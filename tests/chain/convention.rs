@@ -15,7 +15,7 @@ use crate::tool::{bar, bar_mesh, put};
 
 /// The bar of the tests of the tool by boundary elements; half of the sides of its upper end is the outer side of a
 /// cap.
-static CAPPED: LazyLock<Design> = LazyLock::new(|| {
+pub(crate) static CAPPED: LazyLock<Design> = LazyLock::new(|| {
     let (mut design, mut mesh) = (bar(1.0), bar_mesh());
     let surface = Surface::of(&mesh);
     let right = |of: &FaceRef| {

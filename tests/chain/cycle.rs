@@ -59,6 +59,7 @@ fn every_number_of_the_tool_reaches_the_model() {
                 "wood.rate = \"speed\""
             }
             "wood.head_yield_scale" => "wood.head_law = \"yields\"",
+            "wood.ring_width" => "wood.ring_amplitude = 0.2",
             "wood.shear_speed" | "piston.rod_length" | "piston.rod_modulus" => "model.blow = \"elastic\"",
             _ => "",
         };

@@ -8,6 +8,7 @@ mod assemblies;
 mod cached_body;
 mod convention;
 mod coupling;
+mod cover;
 mod cycle;
 mod figures;
 mod fluid_loading;

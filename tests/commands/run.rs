@@ -92,12 +92,30 @@ fn run_writes_every_file() {
         "fields/workpiece.vtu",
         "fields/worktable.vtu",
         "modes.csv",
+        "motion.csv",
         "sensors.csv",
         "sensors-spectrum.csv",
         "sensors.uff",
     ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
+}
+
+#[test]
+fn the_acceleration_of_a_band_is_its_velocity_times_a_frequency_of_the_band() {
+    let text = std::fs::read_to_string(SMALL_RUN.out.join("motion.csv")).unwrap();
+    let mut bodies = Vec::new();
+    for row in text.lines().skip(1) {
+        let fields: Vec<&str> = row.split(',').collect();
+        let number = |field: usize| fields[field].parse::<f64>().unwrap();
+        let [hz, kinetic, velocity, acceleration] = [1, 2, 3, 4].map(number);
+        // Half a third octave to both sides, and the rounding of the table.
+        let ratio = acceleration / (std::f64::consts::TAU * hz * velocity);
+        assert!((0.88..1.13).contains(&ratio) && kinetic > 0.0, "{row}");
+        bodies.push(fields[0].to_owned());
+    }
+    bodies.dedup();
+    assert_eq!(bodies, ["workpiece", "worktable"]);
 }
 
 /// One list names the outputs of a run: it has every file, and the documentation has every output.

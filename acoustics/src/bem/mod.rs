@@ -24,6 +24,7 @@ pub use mesh::subdivision::Subdivision;
 pub use mesh::symmetric_part::SymmetricPart;
 pub use mesh::symmetry::Parity;
 pub use solve::cost::{FrequencyCost, SurfaceSize};
+pub use solve::cover::SurfaceCover;
 pub use solve::neumann::Patterns;
 pub use solve::plate::{Plate, WetSides};
 pub use solve::problem::{EquationSolver, Exterior, SurfacePressure};

@@ -6,6 +6,7 @@ mod boundary_meshes;
 
 mod coarse;
 mod compressed;
+mod cover;
 mod gaps;
 mod laws;
 mod monopole;

@@ -59,6 +59,7 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
 const UNUSED_LENGTH: f64 = 1.0;
 const UNUSED_MODULUS: f64 = 2e11;
 const UNUSED_SPEED: f64 = 1000.0;
+const UNUSED_WIDTH: f64 = 4e-3;
 
 /// The piston without the values that only an elastic blow uses, if the blow is rigid. What a cycle does not use is not
 /// part of its key, so that no study draws it.
@@ -85,6 +86,9 @@ fn wood(design: &Design) -> NailedWood {
     }
     if wood.head_law == HeadLaw::Linear {
         wood.head_yield_scale = 1.0;
+    }
+    if wood.ring_amplitude == 0.0 {
+        (wood.ring_width, wood.ring_seed) = (UNUSED_WIDTH, 1);
     }
     wood
 }

@@ -2,16 +2,20 @@
 
 use nailnoise_acoustics::bem::{EquationSolver, SolidBox};
 use nailnoise_acoustics::radiation::radiator::Loading;
+use nailnoise_acoustics::{AcousticsError, Frame, PorousLayer};
 use nalgebra::Vector3;
 
 use super::bodies::block_size;
 use super::microphones::{positions, reflecting_plane, tool_height};
-use crate::design::{BemEquations, BodyModel, Convention, Design, FluidLoading, RadiationMethod, SurfaceName};
+use crate::design::{
+    BemEquations, BodyModel, Convention, Cover, CoverFrame, CoverSurfaces, Design, FluidLoading, RadiationMethod,
+    SurfaceName,
+};
 use crate::error::Error;
 use crate::model::supports::{self, FlushSand};
 use crate::stages::radiation::{
-    CapSurface, CoveredFaces, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements,
-    WorkpieceRadiation,
+    CapSurface, CoveredFaces, CoveredSurfaces, FlushTop, Places, Resolution, ToolCover, ToolRadiation,
+    WorkpieceBoundaryElements, WorkpieceRadiation,
 };
 
 /// The part of the air's reaction that acts on the modes.
@@ -69,14 +73,73 @@ pub(crate) fn workpiece_places(design: &Design) -> Places {
 }
 
 /// Boundary-element settings of the tool body; `None` if the design does not request boundary elements.
-pub(crate) fn tool(design: &Design) -> Option<ToolRadiation> {
+///
+/// # Errors
+/// Those of [`cover`].
+pub(crate) fn tool(design: &Design) -> Result<Option<ToolRadiation>, Error> {
     if design.acoustics.body_method == RadiationMethod::Erp {
-        return None;
+        return Ok(None);
     }
-    Some(ToolRadiation {
+    Ok(Some(ToolRadiation {
         resolution: resolution(design),
         floor: tool_floor(design),
-    })
+        cover: cover(design)?,
+    }))
+}
+
+/// The porous cover on the tool.
+///
+/// # Errors
+/// Those of the ambient air and of the layer.
+fn cover(design: &Design) -> Result<Option<ToolCover>, Error> {
+    let cover = &design.body.cover;
+    let cap = cap_surface(design);
+    let surfaces = match cover.surfaces {
+        CoverSurfaces::None => return Ok(None),
+        CoverSurfaces::Housing => CoveredSurfaces::Housing(cap),
+        CoverSurfaces::Cap => CoveredSurfaces::Cap(cap),
+        CoverSurfaces::Both => CoveredSurfaces::Both,
+    };
+    let layer = porous_layer(cover)?.in_standard_air(&super::air(design)?);
+    Ok(Some(ToolCover { layer, surfaces }))
+}
+
+fn porous_layer(cover: &Cover) -> Result<PorousLayer, Error> {
+    let frame = match cover.frame {
+        CoverFrame::Moving => Frame::Moving,
+        CoverFrame::Resting => Frame::Resting,
+    };
+    Ok(PorousLayer::new(cover.thickness, cover.resistivity, frame).map_err(AcousticsError::from)?)
+}
+
+/// Description of the cover on the tool, for notes.
+///
+/// # Errors
+/// Those of the layer.
+pub(crate) fn cover_note(design: &Design) -> Result<Option<String>, Error> {
+    let cover = &design.body.cover;
+    let surfaces = match cover.surfaces {
+        CoverSurfaces::None => return Ok(None),
+        CoverSurfaces::Housing => "housing",
+        CoverSurfaces::Cap => "cap",
+        CoverSurfaces::Both => "housing and cap",
+    };
+    let (fitted, top) = (porous_layer(cover)?.fitted_to_hz(), design.analysis.range_high);
+    let beyond = if fitted < top {
+        format!("; the law of the material is extrapolated from {fitted:.0} Hz to {top:.0} Hz")
+    } else {
+        String::new()
+    };
+    Ok(Some(format!(
+        "body: porous cover of {:.1} mm with {:.1} kPa s/m2 on the {surfaces}, its frame {}; the level is that of the \
+         sound outside it{beyond}",
+        1e3 * cover.thickness,
+        1e-3 * cover.resistivity,
+        match cover.frame {
+            CoverFrame::Moving => "moving with the wall",
+            CoverFrame::Resting => "at rest",
+        },
+    )))
 }
 
 /// The microphones in the coordinates of the tool.
@@ -104,16 +167,20 @@ pub(crate) fn cap(design: &Design) -> Option<CapSurface> {
     let body = &design.body;
     let by_surface = body.model == BodyModel::Elastic && design.acoustics.body_method == RadiationMethod::Bem;
     let apart = by_surface && design.sources.convention == Convention::Wrapping;
-    apart.then(|| {
-        if body.mesh.is_empty() {
-            CapSurface::Above {
-                height: body.nose_height + body.barrel_height,
-                radius: body.cap_radius,
-            }
-        } else {
-            CapSurface::Named(SurfaceName::CapOutside.as_str())
+    apart.then(|| cap_surface(design))
+}
+
+/// The outer side of the tool's cap.
+fn cap_surface(design: &Design) -> CapSurface {
+    let body = &design.body;
+    if body.mesh.is_empty() {
+        CapSurface::Above {
+            height: body.nose_height + body.barrel_height,
+            radius: body.cap_radius,
         }
-    })
+    } else {
+        CapSurface::Named(SurfaceName::CapOutside.as_str())
+    }
 }
 
 /// Position of the tool's nose in the coordinates of the workpiece \[m\].
@@ -158,13 +225,13 @@ mod tests {
     #[test]
     fn a_near_plane_is_in_the_equations_a_far_one_at_the_microphones() {
         let design = |name: &str| Design::load(format!("{}/designs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
-        let sand = tool(&design("n80cb-sandbox.toml")).unwrap();
+        let sand = tool(&design("n80cb-sandbox.toml")).unwrap().unwrap();
         assert_eq!(sand.floor, Some(0.0));
         // Nine microphones and the operator's ear.
         assert_eq!(tool_places(&design("n80cb-sandbox.toml")).points.len(), 10);
         let table = design("n80cb.toml");
         let plane = reflecting_plane(&table) - table.workpiece.thickness;
-        assert_eq!(tool(&table).unwrap().floor, None);
+        assert_eq!(tool(&table).unwrap().unwrap().floor, None);
         let points = tool_places(&table).points;
         assert_eq!(points.len(), 20);
         for ([_, _, z], [_, _, image]) in points[..10].iter().zip(&points[10..]) {

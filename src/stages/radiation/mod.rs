@@ -13,6 +13,7 @@ mod radiators;
 mod reference;
 mod surface_modes;
 mod tool;
+mod tool_parts;
 mod workpiece;
 
 pub(crate) use boundary_elements::describe_gap;
@@ -29,7 +30,8 @@ pub use reference::{
     ProjectedMatrix, ProjectedPressures, Projection, RadiatingShape, ReferenceProjection, ReferenceResult,
 };
 pub use surface_modes::SurfaceModes;
-pub use tool::{CapSurface, ToolRadiation};
+pub use tool::ToolRadiation;
+pub use tool_parts::{CapSurface, CoveredSurfaces, ToolCover};
 pub use workpiece::{WorkpieceBoundaryElements, WorkpieceRadiation};
 
 use super::{Code, code};

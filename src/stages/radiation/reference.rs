@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 
 use super::CODE;
 use super::surface_modes::SurfaceModes;
-use super::tool::{CapSurface, ToolRadiation};
+use super::tool::ToolRadiation;
+use super::tool_parts::CapSurface;
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::BodyError;

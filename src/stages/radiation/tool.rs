@@ -12,7 +12,7 @@
 //! microphone is the sound at the microphone's image.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, Panel, Parity, Patterns, Rim, SymmetricPart,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, Panel, Parity, Patterns, Rim, SurfaceCover, SymmetricPart,
 };
 use nailnoise_acoustics::radiation::boundary_elements::{MeanBands, MeanRanges, MeshRange};
 use nailnoise_acoustics::{Air, InputError};
@@ -23,56 +23,11 @@ use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use super::error::SurfaceError;
+use super::tool_parts::{CapSurface, ToolCover};
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
-
-/// Maximum distance of a node from the cap to which it belongs, relative to the cap's radius.
-const OFF_CAP: f64 = 1e-3;
-
-/// The outer side of the tool's cap.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub enum CapSurface {
-    /// All of the outer surface above a height, within a radius around the axis \[m\].
-    Above {
-        /// Height of the cap's underside in the tool's coordinates \[m\].
-        height: f64,
-        /// Radius of the cap \[m\].
-        radius: f64,
-    },
-    /// The surface with this name.
-    Named(&'static str),
-}
-
-impl CapSurface {
-    /// For each panel of a boundary, whether it is part of the cap.
-    ///
-    /// # Errors
-    /// [`SurfaceError::NoCapSurface`] if none or all are.
-    fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
-        let inside = |panel: &Panel| match *self {
-            Self::Above { height, radius } => panel.corners().iter().all(|&node| {
-                let (point, slack) = (mesh.points[node], OFF_CAP * radius);
-                point.z >= height - slack && point.x.hypot(point.y) <= radius + slack
-            }),
-            Self::Named(name) => mesh.patches[panel.patch] == name,
-        };
-        let panels: Vec<bool> = mesh.panels.iter().map(inside).collect();
-        let own = panels.iter().filter(|own| **own).count();
-        if own == 0 || own == panels.len() {
-            return Err(SurfaceError::NoCapSurface {
-                surface: match self {
-                    Self::Above { .. } => None,
-                    Self::Named(name) => Some(name),
-                },
-                panels: [own, panels.len()],
-            }
-            .into());
-        }
-        Ok(panels)
-    }
-}
 
 /// Surfaces around enclosed air: supply in the handle and around the sleeve, exhaust in the cap.
 const ENCLOSED: [&str; 3] = ["supply", "sleeve_outside", "plenum"];
@@ -93,6 +48,8 @@ pub struct ToolRadiation {
     pub resolution: Resolution,
     /// Height of the reflecting plane in the tool's coordinates \[m\], if it is included in the equations.
     pub floor: Option<f64>,
+    /// Porous cover.
+    pub cover: Option<ToolCover>,
 }
 
 impl ToolRadiation {
@@ -228,6 +185,7 @@ impl ToolRadiation {
             motions: part.by_parity(motion),
             mirrors: part.mirrors(),
             cap: cap.map(|cap| cap.panels(&part.mesh)).transpose()?,
+            covered: self.cover.map(|cover| cover.panels(&part.mesh)).transpose()?,
             mesh: part.mesh,
         })
     }
@@ -240,8 +198,8 @@ impl ToolRadiation {
         if !housing.rims.is_empty() {
             return self.of_panels_within(housing, boundary.mesh().longest_edge(), top_hz, air);
         }
-        let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[panel]));
-        self.range(boundary, (&housing.motions, part), top_hz, air)
+        let parts = housing.parts(&boundary, |panel| panel);
+        self.range(boundary, (&housing.motions, parts), top_hz, air)
     }
 
     /// The housing in finer panels, which resolve the waves at `top_hz`.
@@ -262,19 +220,16 @@ impl ToolRadiation {
             .map(|(parity, motion)| Ok((*parity, finer.fields(motion)?)));
         let motions: Vec<_> = motions.collect::<Result<_, InputError>>().map_err(BemError::from)?;
         let boundary = Boundary::symmetric(finer.mesh, housing.mirrors, self.floor)?;
-        let part = housing
-            .cap
-            .as_ref()
-            .map(|cap| of_panels(&boundary, |panel| cap[finer.parents[panel]]));
-        self.range(boundary, (&motions, part), top_hz, air)
+        let parts = housing.parts(&boundary, |panel| finer.parents[panel]);
+        self.range(boundary, (&motions, parts), top_hz, air)
     }
 
-    /// A boundary with the velocities of all panels, optionally followed by those of a part alone, from displacements
-    /// of every parity.
+    /// A boundary with the velocities of all panels, optionally followed by those of the cap alone, from displacements
+    /// of every parity, and with its cover.
     fn range(
         &self,
         boundary: Boundary,
-        (motions, part): (&[(Parity, DMatrix<f64>)], Option<Vec<bool>>),
+        (motions, parts): (&[(Parity, DMatrix<f64>)], PanelParts),
         top_hz: f64,
         air: &Air,
     ) -> Result<MeshRange, Error> {
@@ -282,14 +237,19 @@ impl ToolRadiation {
             let velocities = boundary.project_displacements(motion)?;
             Ok::<_, Error>(Patterns {
                 parity: *parity,
-                velocities: match &part {
+                velocities: match &parts.cap {
                     Some(part) => beside_part(velocities, boundary.mesh(), part),
                     None => velocities,
                 },
             })
         };
         let patterns = motions.par_iter().map(of_parity).collect::<Result<_, _>>()?;
-        Ok(self.resolution.range(boundary, patterns, top_hz, air)?)
+        let covered = self.cover.as_ref().zip(parts.covered);
+        let cover = covered.map(|(cover, covered)| cover.on(&boundary, &covered));
+        Ok(with_cover(
+            self.resolution.range(boundary, patterns, top_hz, air)?,
+            cover,
+        )?)
     }
 
     /// The meshes for the means above the highest single frequency, with the motions of further bodies taken from the
@@ -345,8 +305,12 @@ impl ToolRadiation {
             })
         };
         let patterns: Vec<Patterns> = fine.patterns.iter().map(carried).collect::<Result<_, _>>()?;
+        let cover = fine.problem.cover();
+        let cover = cover
+            .map(|cover| ToolCover::carried(cover, boundary, &coarse))
+            .transpose()?;
         let below = self.resolution.range(coarse, patterns, ALONE * fine.top_hz, air)?;
-        Ok(vec![below, fine])
+        Ok(vec![with_cover(below, cover)?, fine])
     }
 }
 
@@ -361,6 +325,39 @@ struct Housing {
     motions: Vec<(Parity, DMatrix<f64>)>,
     /// For each panel, whether it is part of the cap, if that is separate.
     cap: Option<Vec<bool>>,
+    /// For each panel, whether it is covered, if there is a cover.
+    covered: Option<Vec<bool>>,
+}
+
+/// Parts of a boundary: for each panel, whether it belongs to the cap and to the covered surface.
+struct PanelParts {
+    cap: Option<Vec<bool>>,
+    covered: Option<Vec<bool>>,
+}
+
+impl Housing {
+    /// Parts of a boundary, given the housing's panel that contains each panel of the boundary's original mesh.
+    fn parts(&self, boundary: &Boundary, parent: impl Fn(usize) -> usize) -> PanelParts {
+        let of = |part: &Option<Vec<bool>>| {
+            part.as_ref()
+                .map(|part| of_panels(boundary, |panel| part[parent(panel)]))
+        };
+        PanelParts {
+            cap: of(&self.cap),
+            covered: of(&self.covered),
+        }
+    }
+}
+
+/// A mesh with a porous cover, if there is one.
+fn with_cover(range: MeshRange, cover: Option<SurfaceCover>) -> Result<MeshRange, BemError> {
+    Ok(match cover {
+        Some(cover) => MeshRange {
+            problem: range.problem.with_cover(cover)?,
+            ..range
+        },
+        None => range,
+    })
 }
 
 /// For each panel of a boundary, whether it belongs to a part, which is given by panel numbers in the original mesh.
@@ -442,7 +439,9 @@ mod tests {
     use crate::design::Design;
     use crate::graph::Graph;
     use crate::stages::bodies::BodyKind;
+    use crate::stages::radiation::CoveredSurfaces;
     use nailnoise_acoustics::bem::EquationSolver;
+    use nailnoise_acoustics::{Frame, PorousLayer};
     use nailnoise_meshes::{ElementKind, Grid, Mesh};
     use nalgebra::Point3;
 
@@ -480,7 +479,7 @@ mod tests {
             let design = Design::load(path).unwrap();
             let stages = BodyStages::add(&Graph::default(), &design, BodyKind::Tool, false).unwrap();
             let surface = Surface::of(&stages.meshed.get().unwrap().imported.mesh);
-            let radiation = crate::design::inputs::radiation::tool(&design).unwrap();
+            let radiation = crate::design::inputs::radiation::tool(&design).unwrap().unwrap();
             let modes = DMatrix::zeros(3 * surface.points.len(), 0);
             let body = MovingSurface {
                 body: "tool",
@@ -582,6 +581,7 @@ mod tests {
                 tolerance: 0.02,
             },
             floor: None,
+            cover: None,
         };
         (elements, surface, modes)
     }
@@ -624,6 +624,46 @@ mod tests {
             assert!(flows.iter().all(|flow| (flow - 0.09).abs() < 1e-9), "{flows:?}");
         }
         assert!((means.finer[2].top_hz - 800.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_cover_lies_on_its_surfaces_on_every_mesh() {
+        let cap = CapSurface::Named("cap_outside");
+        // The upper side has 0.09 m2 of 0.54 m2.
+        let cases = [
+            (CoveredSurfaces::Cap(cap), 0.09),
+            (CoveredSurfaces::Housing(cap), 0.45),
+            (CoveredSurfaces::Both, 0.54),
+        ];
+        for (surfaces, expected) in cases {
+            let (elements, surface, modes) = shaken(Some(800.0));
+            let elements = ToolRadiation {
+                cover: Some(ToolCover {
+                    layer: PorousLayer::new(0.01, 1e4, Frame::Moving).unwrap(),
+                    surfaces,
+                }),
+                ..elements
+            };
+            let body = MovingSurface {
+                body: "tool",
+                surface: &surface,
+                modes: &modes,
+            };
+            let air = Air::default();
+            let housing = elements.housing(&body, None).unwrap();
+            let single = elements.of_own_mesh(&housing, &air).unwrap();
+            let means = elements.mean_ranges(&housing, &single, &air).unwrap();
+            for range in std::iter::once(&single).chain(&means.finer) {
+                let boundary = range.problem.boundary();
+                let shares = &range.problem.cover().unwrap().shares;
+                let (mut first, mut covered) = (0, 0.0);
+                for (number, panel) in boundary.mesh().panels.iter().enumerate() {
+                    covered += boundary.copies() as f64 * shares[first] * boundary.mesh().panel_area(number);
+                    first += panel.corners().len();
+                }
+                assert!((covered - expected).abs() < 1e-9, "{surfaces:?}: {covered} m2");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Pressure around the body for several parities at once, and checks of field points.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
+use super::cover::joined;
 use super::far_field::{Radiated, Source};
 use super::problem::{Exterior, SurfacePressure};
 use crate::bem::mesh::symmetry::Image;
@@ -80,6 +81,19 @@ impl Exterior {
         points: &[Point3<f64>],
         all: &[Radiated<'_>],
     ) -> Vec<Mat<Complex<f64>>> {
+        if let Some(halves) = self.with_real_velocities(all) {
+            let halves: Vec<Radiated<'_>> = halves.iter().map(|(v, p)| (v, p)).collect();
+            return self
+                .around_of_real(images, points, &halves)
+                .iter()
+                .map(joined)
+                .collect();
+        }
+        self.around_of_real(images, points, all)
+    }
+
+    /// The same for velocities of the air that are real.
+    fn around_of_real(&self, images: &[Image], points: &[Point3<f64>], all: &[Radiated<'_>]) -> Vec<Mat<Complex<f64>>> {
         let zeros = |a: &Radiated<'_>| Mat::zeros(points.len(), a.0.ncols());
         let mut result: Vec<Mat<Complex<f64>>> = all.iter().map(zeros).collect();
         if images.is_empty() {

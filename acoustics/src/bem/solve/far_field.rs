@@ -1,5 +1,6 @@
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
+use super::cover::joined;
 use super::neumann::at_points;
 use super::problem::{Exterior, SurfacePressure, Threads};
 use crate::bem::error::BemError;
@@ -76,10 +77,7 @@ impl Exterior {
         }
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = 2.0 * PI * hz / self.air().sound_speed;
-        let (sources, _, radius) = self.quadrature();
-        let across = sources.iter().map(|s| s.position.xy().norm()).fold(0.0, f64::max);
-        let planes = boundary.planes().map(|plane| plane.is_some());
-        let directions = directions([k * radius, k * across], planes);
+        let directions = self.directions(k);
         let of_share = |directions: &[(Vector3<f64>, f64)]| {
             let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.nrows(), v.nrows())).collect();
             self.in_directions(all, k, directions, |chunk, parts| {
@@ -97,6 +95,36 @@ impl Exterior {
             totals.iter_mut().zip(share).for_each(|(total, part)| *total += part);
         }
         Ok(totals.iter().map(resistance).collect())
+    }
+
+    /// The same for solutions on a covered surface, whose R is Hermitian: real parts, then imaginary parts.
+    pub(crate) fn far_field_powers(&self, all: &[Radiated<'_>]) -> Vec<[DMatrix<f64>; 2]> {
+        let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
+        let directions = self.directions(self.wavenumber(hz));
+        let along: Vec<Vector3<f64>> = directions.iter().map(|(d, _)| *d).collect();
+        let of_field = |field: Mat<Complex<f64>>| {
+            let root = |row: usize| (directions[row].1 / self.air().impedance()).sqrt() / (4.0 * PI);
+            let part = |of: fn(Complex<f64>) -> f64| {
+                Mat::from_fn(field.nrows(), field.ncols(), |row, m| root(row) * of(field[(row, m)]))
+            };
+            let [re, im] = [part(|z| z.re), part(|z| z.im)];
+            let product = |a: &Mat<f64>, b: &Mat<f64>| a.transpose() * b;
+            let (real, half) = (product(&re, &re) + product(&im, &im), product(&re, &im));
+            let modes = field.ncols();
+            [
+                resistance(&real),
+                DMatrix::from_fn(modes, modes, |i, j| half[(i, j)] - half[(j, i)]),
+            ]
+        };
+        self.far_fields(all, &along).into_iter().map(of_field).collect()
+    }
+
+    /// Directions and weights that integrate the power at the wavenumber k.
+    fn directions(&self, k: f64) -> Vec<(Vector3<f64>, f64)> {
+        let (sources, _, radius) = self.quadrature();
+        let across = sources.iter().map(|s| s.position.xy().norm()).fold(0.0, f64::max);
+        let planes = self.boundary().planes().map(|plane| plane.is_some());
+        directions([k * radius, k * across], planes)
     }
 
     /// Evaluates the waves of chunks of directions at all points; `each` receives the far field of each part.
@@ -140,6 +168,19 @@ impl Exterior {
     /// \[Pa s for velocities in m/s\]. p -> e^{-jkr}/(4 pi r) F, where r is the distance from the origin of
     /// [`Exterior::quadrature`].
     pub(crate) fn far_fields(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
+        if let Some(halves) = self.with_real_velocities(all) {
+            let halves: Vec<Radiated<'_>> = halves.iter().map(|(v, p)| (v, p)).collect();
+            return self
+                .far_fields_of_real(&halves, directions)
+                .iter()
+                .map(joined)
+                .collect();
+        }
+        self.far_fields_of_real(all, directions)
+    }
+
+    /// The same for velocities of the air that are real.
+    fn far_fields_of_real(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = 2.0 * PI * hz / self.air().sound_speed;
         let count = |a: &Radiated<'_>| a.0.ncols();

@@ -1,5 +1,6 @@
 //! Velocity patterns of a problem, and the radiation impedance from the surface pressure.
 
+use super::cover::CoverPatterns;
 use super::neumann::{Moments, NeumannData, Patterns};
 use super::problem::{Exterior, SurfacePressure};
 use crate::bem::error::BemError;
@@ -14,7 +15,13 @@ impl Exterior {
     pub(crate) fn neumann_data(&self, patterns: &Patterns) -> Result<NeumannData, BemError> {
         self.check_velocities(&patterns.velocities)?;
         let (boundary, blocks) = (self.boundary(), self.blocks());
-        Ok(NeumannData::new(boundary, blocks, self.masses(), patterns.clone()))
+        let cover = self.cover().map(|cover| CoverPatterns::new(boundary, cover));
+        Ok(NeumannData::new(
+            (boundary, blocks),
+            self.masses(),
+            patterns.clone(),
+            cover,
+        ))
     }
 
     /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch; the real part is R, and the imaginary part is

@@ -1,5 +1,6 @@
 //! Prescribed normal velocities in the form needed by the equations, prepared once for all frequencies.
 
+use super::cover::CoverPatterns;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::Panel;
 use crate::bem::mesh::symmetry::Parity;
@@ -36,19 +37,41 @@ pub(crate) struct NeumannData {
     at_points: Mat<f32>,
     moments: Moments,
     by_patch: Vec<Moments>,
+    cover: Option<CoverPatterns>,
 }
 
 impl NeumannData {
     /// Prepares patterns with the surface's number of velocity values, given the integrals of phi_i phi_j over each
-    /// panel.
-    pub(crate) fn new(boundary: &Boundary, blocks: &[Block], masses: &[[[f64; 4]; 4]], patterns: Patterns) -> Self {
+    /// panel. With a cover, the equations have the further columns of [`CoverPatterns::columns`].
+    pub(crate) fn new(
+        (boundary, blocks): (&Boundary, &[Block]),
+        masses: &[[[f64; 4]; 4]],
+        patterns: Patterns,
+        cover: Option<CoverPatterns>,
+    ) -> Self {
         let velocities = &patterns.velocities;
         let on_blocks: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
+        let covered = cover.as_ref().map(|cover| cover.on_covered(velocities));
+        let further = |cover: &CoverPatterns, (block, own): (&Block, &Mat<f32>)| {
+            let covered = covered.as_ref().map(|covered| block.patterns(covered));
+            let parts = [Some(own.clone()), covered, Some(cover.on_block(block))];
+            stacked(&parts.into_iter().flatten().collect::<Vec<_>>())
+        };
+        let in_equations: Option<Vec<Mat<f32>>> = cover
+            .as_ref()
+            .map(|cover| blocks.iter().zip(&on_blocks).map(|of| further(cover, of)).collect());
+        let with_covered = covered.as_ref().map(|covered| {
+            let modes = velocities.ncols();
+            let mut both = velocities.clone().resize_horizontally(2 * modes, 0.0);
+            both.columns_mut(modes, modes).copy_from(covered);
+            both
+        });
         Self {
-            on_blocks: PatternsOnBlocks::new(patterns.parity, &on_blocks),
+            on_blocks: PatternsOnBlocks::new(patterns.parity, in_equations.as_ref().unwrap_or(&on_blocks)),
             at_points: side_by_side(&on_blocks, velocities.ncols()),
-            moments: Moments::new(boundary, masses, velocities, |_| true),
+            moments: Moments::new(boundary, masses, with_covered.as_ref().unwrap_or(velocities), |_| true),
             by_patch: Moments::by_patch(boundary, masses, velocities),
+            cover,
             patterns,
         }
     }
@@ -73,6 +96,17 @@ impl NeumannData {
         self.patterns.velocities.ncols()
     }
 
+    /// Number of columns in the equations: the patterns, and those of a cover.
+    pub(crate) fn columns(&self) -> usize {
+        let cover = self.cover.as_ref();
+        cover.map_or(self.count(), |cover| cover.columns(self.count()))
+    }
+
+    /// The further patterns of a covered surface.
+    pub(crate) fn cover(&self) -> Option<&CoverPatterns> {
+        self.cover.as_ref()
+    }
+
     /// Patterns at the points of all blocks, for the products with B.
     pub(crate) fn on_blocks(&self) -> &PatternsOnBlocks {
         &self.on_blocks
@@ -83,7 +117,7 @@ impl NeumannData {
         &self.at_points
     }
 
-    /// int phi_i v dS over the complete surface.
+    /// int phi_i v dS over the complete surface, of the patterns and of the same on the covered part.
     pub(crate) fn moments(&self) -> &Moments {
         &self.moments
     }
@@ -192,6 +226,18 @@ impl Moments {
 pub(crate) fn at_points(blocks: &[Block], velocities: &DMatrix<f64>) -> Mat<f32> {
     let on_blocks: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
     side_by_side(&on_blocks, velocities.ncols())
+}
+
+/// Concatenates matrices with the same columns.
+fn stacked(all: &[Mat<f32>]) -> Mat<f32> {
+    let columns = all.first().map_or(0, Mat::ncols);
+    let mut joined = Mat::zeros(all.iter().map(Mat::nrows).sum(), columns);
+    let mut first = 0;
+    for one in all {
+        joined.as_mut().subrows_mut(first, one.nrows()).copy_from(one);
+        first += one.nrows();
+    }
+    joined
 }
 
 /// Concatenates matrices of `rows` rows.

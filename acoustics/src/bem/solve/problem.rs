@@ -1,4 +1,5 @@
 use super::compressed::{Accuracy, CompressedSurface, Equations};
+use super::cover::SurfaceCover;
 use super::neumann::{NeumannData, Patterns};
 use crate::air::Air;
 use crate::bem::error::BemError;
@@ -63,6 +64,8 @@ pub struct Exterior {
     masses: Vec<[[f64; 4]; 4]>,
     equations: EquationSolver,
     compressed: OnceLock<CompressedSurface>,
+    /// Porous layer on the surface.
+    cover: Option<SurfaceCover>,
 }
 
 /// How the equations of a surface are stored and solved.
@@ -163,7 +166,17 @@ impl Exterior {
             masses,
             equations: EquationSolver::default(),
             compressed: OnceLock::new(),
+            cover: None,
         }
+    }
+
+    pub(super) fn set_cover(&mut self, cover: SurfaceCover) {
+        self.cover = Some(cover);
+    }
+
+    /// The porous layer on the surface.
+    pub fn cover(&self) -> Option<&SurfaceCover> {
+        self.cover.as_ref()
     }
 
     /// Sets how the equations are solved; the default is the cheaper method.
@@ -336,6 +349,10 @@ impl Exterior {
         let factor = self.right_hand_factor(hz);
         let parities: Vec<_> = sums.into_iter().zip(all).collect();
         threads.map(parities, |(mut sums, data)| {
+            if let (Some(patterns), Some(cover)) = (data.cover(), &self.cover) {
+                let of = cover.layer.transfer(hz, &self.air);
+                sums = patterns.folded(sums, data.count(), &of, factor);
+            }
             self.hold_odd(data.parity(), &mut sums);
             SurfacePressure {
                 hz,
@@ -364,8 +381,12 @@ impl Exterior {
         self.frequency_cost().compressed
     }
 
+    /// How the equations are solved; those of a covered surface with a dense matrix.
     pub(crate) fn equation_solver(&self) -> EquationSolver {
-        self.equations
+        match self.cover {
+            Some(_) => EquationSolver::Dense,
+            None => self.equations,
+        }
     }
 
     fn solve_compressed(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<SurfacePressure>, BemError> {
@@ -406,7 +427,12 @@ impl Exterior {
         for (sums, data) in sums.iter_mut().zip(all) {
             self.add_mass(&mut sums.matrix, 0.5);
             // alpha is imaginary.
-            data.moments().add_to(-0.5 * wave.coupling, &mut sums.right[1]);
+            let factor = -0.5 * wave.coupling;
+            data.moments().add_to(factor, &mut sums.right[1]);
+            if let Some(cover) = data.cover() {
+                let surface = (&self.boundary, &self.masses[..]);
+                cover.add_moments(surface, (data.count(), factor), &mut sums.right[1]);
+            }
         }
         sums
     }
@@ -440,7 +466,7 @@ impl Exterior {
         let n = self.boundary.nodes();
         let on_blocks = all.iter().map(NeumannData::on_blocks);
         let mut right_hand_sides: Vec<_> = on_blocks.map(|p| RightHandSide::zeros(&self.blocks, p)).collect();
-        let mut sums: Vec<Sums> = all.iter().map(|data| Sums::zeros(n, data.count())).collect();
+        let mut sums: Vec<Sums> = all.iter().map(|data| Sums::zeros(n, data.columns())).collect();
         let mut tile = Tile::default();
         for i in rows {
             for j in i..self.blocks.len() {

@@ -72,7 +72,7 @@ impl EquationSweep {
     /// assembled first, until all others can be interpolated.
     pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Origin> {
         let n = problem.boundary().nodes();
-        let bytes: usize = data.iter().map(|data| 8 * n * (n + data.count())).sum();
+        let bytes: usize = data.iter().map(|data| 8 * n * (n + data.columns())).sum();
         self.make_room(problem, hz, bytes);
         let mut ways: Vec<Option<Origin>> = hz.iter().map(|_| None).collect();
         loop {

@@ -261,7 +261,7 @@ impl<'a> Whole<'a> {
                 Complex::from_polar(1.0, omega / self.problem.air().sound_speed * radius) / Complex::new(0.0, omega)
             })
             .collect();
-        let velocity: Vec<Field> = self
+        let mut velocity: Vec<Field> = self
             .patterns
             .iter()
             .zip(accelerations)
@@ -270,6 +270,15 @@ impl<'a> Whole<'a> {
                 real_product(&p.velocities, &turned)
             })
             .collect();
+        if let Some(cover) = self.problem.cover() {
+            let unknowns = self.problem.unknowns_of_values();
+            for (v, p) in velocity.iter_mut().zip(pressure) {
+                for ((mut v, p), hz) in v.column_iter_mut().zip(p.column_iter()).zip(hz) {
+                    let of = cover.layer.transfer(*hz, self.problem.air());
+                    cover.to_outer_face(&of, (p.as_slice(), &unknowns), v.as_mut_slice());
+                }
+            }
+        }
         let mut found = SurfaceBand {
             surface: 0,
             exposure: Vec::with_capacity(self.surface.points.len()),

@@ -1,12 +1,13 @@
 use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::solve::cost::{FrequencyCost, PATTERNS, SurfaceSize};
+use crate::bem::solve::far_field::Radiated;
 use crate::bem::solve::neumann::{NeumannData, Patterns};
 use crate::bem::solve::problem::{Exterior, SurfacePressure, Threads, only};
 use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};
 use faer::Mat;
-use nalgebra::{DMatrix, Point3};
+use nalgebra::{Complex, DMatrix, Point3};
 use std::f64::consts::TAU;
 
 /// Radiation resistance at one frequency, evaluated in two ways.
@@ -18,10 +19,14 @@ pub struct TwoEvaluations {
     pub far_field: DMatrix<f64>,
     /// From the intensity on the surface, by patch; symmetric part.
     pub patches: Vec<DMatrix<f64>>,
-    /// Added mass X / omega of the complete surface \[kg for velocities in m/s\]; symmetric part.
+    /// Added mass X / omega of the complete surface \[kg for velocities in m/s\]; symmetric part. On a covered surface,
+    /// that of the air outside the layer.
     pub added_mass: DMatrix<f64>,
+    /// On a covered surface, where R is Hermitian: antisymmetric imaginary parts of `far_field` and `patches`.
+    pub imaginary: Option<(DMatrix<f64>, Vec<DMatrix<f64>>)>,
     /// Largest |R_ij - R_ji| of the surface evaluation, relative to the largest entry of R. It would be zero by
-    /// reciprocity, but the discretisation violates it.
+    /// reciprocity, but the discretisation violates it. On a covered surface, that of int v_i p_j dS, where v is the
+    /// velocity that the outer face of the layer has without pressure.
     pub asymmetry: f64,
     /// Largest difference between the powers of a pattern from the two evaluations \[dB\], among patterns within 30 dB
     /// of the loudest.
@@ -43,13 +48,20 @@ impl TwoEvaluations {
     /// R of each patch from the surface, followed by the difference between the far field and their sum; the total is
     /// the R of the far field.
     pub fn split(&self) -> Vec<Resistance> {
-        let mut rest = self.far_field.clone();
-        self.patches.iter().for_each(|p| rest -= p);
-        let part = |real: &DMatrix<f64>| Resistance {
-            real: real.clone(),
-            imaginary: None,
+        let with_rest = |whole: &DMatrix<f64>, patches: &[DMatrix<f64>]| {
+            let rest = patches.iter().fold(whole.clone(), |rest, patch| rest - patch);
+            patches.iter().cloned().chain([rest]).collect::<Vec<_>>()
         };
-        self.patches.iter().chain([&rest]).map(part).collect()
+        let real = with_rest(&self.far_field, &self.patches);
+        let skew = self
+            .imaginary
+            .as_ref()
+            .map(|(whole, patches)| with_rest(whole, patches));
+        let part = |(number, real): (usize, DMatrix<f64>)| Resistance {
+            real,
+            imaginary: skew.as_ref().map(|skew: &Vec<DMatrix<f64>>| skew[number].clone()),
+        };
+        real.into_iter().enumerate().map(part).collect()
     }
 }
 
@@ -139,6 +151,9 @@ impl Exterior {
         solutions: &[SurfacePressure],
         threads: Threads,
     ) -> Result<Vec<TwoEvaluations>, BemError> {
+        if self.cover().is_some() {
+            return self.covered_evaluations(data, solutions);
+        }
         let all: Vec<(&Mat<f32>, &SurfacePressure)> = data.iter().map(NeumannData::at_points).zip(solutions).collect();
         let far_fields = self.far_field_resistances(&all, threads)?;
         let both: Vec<_> = data.iter().zip(solutions).zip(far_fields).collect();
@@ -146,6 +161,35 @@ impl Exterior {
             self.evaluated_twice(data, solution, far_field)
         });
         evaluated.into_iter().collect()
+    }
+
+    /// Both evaluations on a covered surface. R is that of the radiated sound, without what the layer absorbs.
+    fn covered_evaluations(
+        &self,
+        data: &[NeumannData],
+        solutions: &[SurfacePressure],
+    ) -> Result<Vec<TwoEvaluations>, BemError> {
+        let all: Vec<Radiated<'_>> = data.iter().map(NeumannData::velocities).zip(solutions).collect();
+        let far_fields = self.far_field_powers(&all);
+        let of_parity = |((data, solution), [far_field, skew]): ((&NeumannData, _), [DMatrix<f64>; 2])| {
+            let powers = self.powers(data.velocities(), solution)?.into_iter();
+            let patches: Vec<_> = powers.map(|p| (&p + p.adjoint()) * Complex::from(0.5)).collect();
+            let reciprocal = self.reciprocal_impedance(data, solution)?;
+            let asymmetry = (&reciprocal - reciprocal.transpose()).map(Complex::norm).amax();
+            let mass = reciprocal.map(|z| z.im) / (TAU * solution.hz);
+            let mut two = TwoEvaluations {
+                hz: solution.hz,
+                asymmetry: asymmetry / far_field.amax().max(f64::MIN_POSITIVE),
+                difference_db: 0.0,
+                patches: patches.iter().map(|p| p.map(|z| z.re)).collect(),
+                added_mass: (&mass + mass.transpose()) * 0.5,
+                imaginary: Some((skew, patches.iter().map(|p| p.map(|z| z.im)).collect())),
+                far_field,
+            };
+            two.difference_db = two.difference_within(1e-3 * two.far_field.amax());
+            Ok(two)
+        };
+        data.iter().zip(solutions).zip(far_fields).map(of_parity).collect()
     }
 
     fn evaluated_twice(
@@ -167,6 +211,7 @@ impl Exterior {
             difference_db: 0.0,
             patches: raw.iter().map(|r| (r + r.transpose()) * 0.5).collect(),
             added_mass: (&mass + mass.transpose()) * 0.5,
+            imaginary: None,
             far_field,
         };
         two.difference_db = two.difference_within(1e-3 * two.far_field.amax());
@@ -209,7 +254,7 @@ impl Exterior {
             copies: boundary.copies() as f64,
             images: boundary.images().len() as f64,
         };
-        size.cost(self.equation_solver())
+        self.with_cost_of_cover(size.cost(self.equation_solver()))
     }
 
     /// The surface with its modes at quadrature points, for operators that do not solve equations. With mirror planes,

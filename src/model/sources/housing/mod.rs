@@ -78,6 +78,7 @@ impl Source for Housing {
         });
         let report = shot.tool_report.clone();
         let rigid = inputs::assembly::rigid_housing(shot.context.design, &shot.motions.engine);
+        let cover = inputs::radiation::cover_note(shot.context.design)?;
         Ok(SourceStages {
             source: &Housing,
             analysis: shot.analysis(own),
@@ -89,11 +90,13 @@ impl Source for Housing {
             },
             notes: Box::new(move |sound| {
                 let report: Option<Arc<ToolChecks>> = report.as_ref().map(Stored::get).transpose()?;
-                Ok(notes(
+                let mut notes = notes(
                     sound,
                     report.as_ref().map(|report| &report.stiffness[..]),
                     rigid.as_deref(),
-                ))
+                );
+                notes.methods.extend(cover.clone());
+                Ok(notes)
             }),
         })
     }

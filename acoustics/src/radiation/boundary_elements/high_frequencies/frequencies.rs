@@ -43,12 +43,14 @@ pub(crate) struct Limit {
     pub(crate) above: Vec<(f64, Vec<Resistance>)>,
 }
 
-/// The limit of all parities. The last patch, which is added to those of the boundary, radiates nothing.
+/// The limit of all parities. The last patch, which is added to those of the boundary, radiates nothing. A porous cover
+/// changes the power of each point as that of a plane wave; differences of phase between covered and bare faces are
+/// left out.
 pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], bands: &MeanBands) -> Vec<Limit> {
     let air = problem.air();
     let faces = Faces::new(problem.boundary(), air.sound_speed / bands.upper_hz());
     let (mut below, mut above) = (compared(bands), above(bands));
-    if faces.is_empty() {
+    if faces.is_empty() && problem.cover().is_none() {
         // It does not depend on frequency.
         below.truncate(1);
         above.truncate(1);
@@ -75,11 +77,23 @@ pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], bands: &MeanBands
         let above = nodes.split_off(below.len());
         Limit { below: nodes, above }
     };
-    faces
-        .resistances(motions, &ranges, air)
-        .into_iter()
-        .map(of_parity)
-        .collect()
+    let found = match problem.cover() {
+        None => faces.resistances(motions, &ranges, air),
+        Some(cover) => {
+            let mut found: Vec<Vec<Vec<DMatrix<f64>>>> = motions.iter().map(|_| Vec::new()).collect();
+            for (range, hz) in ranges.iter().zip(below.iter().chain(&above)) {
+                let equivalent = |p: &Patterns| Patterns {
+                    parity: p.parity,
+                    velocities: cover.equivalent(&p.velocities, *hz, air),
+                };
+                let motions: Vec<Patterns> = motions.iter().map(equivalent).collect();
+                let of_range = faces.resistances(&motions, std::slice::from_ref(range), air);
+                found.iter_mut().zip(of_range).for_each(|(all, own)| all.extend(own));
+            }
+            found
+        }
+    };
+    found.into_iter().map(of_parity).collect()
 }
 
 #[cfg(test)]
