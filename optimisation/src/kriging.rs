@@ -107,7 +107,8 @@ impl Kriging {
         self.factor.l_dirty().solve_lower_triangular_mut(&mut solved);
         // The second part is the uncertainty of the mean (Jones et al., eq. 9).
         let of_mean = (1.0 - r.dot(&self.ones)).powi(2) / self.ones.sum();
-        let share = (1.0 + self.roughness - solved.norm_squared() + of_mean).max(0.0);
+        // Without the roughness, which a repeated observation would not have either.
+        let share = (1.0 - solved.norm_squared() + of_mean).max(0.0);
         Prediction {
             mean,
             deviation: (self.variance * share).sqrt(),
