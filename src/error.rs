@@ -143,6 +143,12 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Calibration(Box<crate::calibration::CalibrationError>),
+    /// An HDF5 file could not be composed.
+    #[error("hdf5-pure cannot compose the file: {0}")]
+    Hdf5(#[source] hdf5_pure::Error),
+    /// A document of a word processor could not be composed.
+    #[error("docx-rs cannot compose the document: {0}")]
+    Document(#[source] docx_rs::DocxError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]

@@ -6,13 +6,14 @@ use nailnoise_dynamics::{CycleRecord, Settings};
 
 use crate::chain;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
-use crate::design::{Assignment, Design};
+use crate::design::{Assignment, Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::cycle::Cycle;
 pub use crate::stages::headline::{Figure, Headline, Influence, sentence, unlike};
 use crate::stages::headline::{Influences, Miss, Moved};
-use crate::study::{Axis, SweptPoint, at_point, taking_part};
+use crate::study::{Axis, Parameter, SweptPoint, at_point, taking_part};
+use crate::wording::in_one_unit;
 
 /// Sampling interval of cycles with other inputs \[s\]; the slow motion of the tool needs none finer.
 const SAMPLES: f64 = 50e-6;
@@ -50,10 +51,9 @@ pub fn headline(graph: &Graph, design: &Design, record: &CycleRecord) -> Result<
             else {
                 continue;
             };
-            let shown = [input.value.clone(), value].map(|value| design.value_in_words(&input.key, value));
             moved.push(Moved {
                 key: input.key.clone(),
-                shown,
+                shown: shown(design, &input, value),
                 cycle: cycle(parameters),
             });
         }
@@ -61,6 +61,17 @@ pub fn headline(graph: &Graph, design: &Design, record: &CycleRecord) -> Result<
     let base = cycle(own);
     headline.inputs = (*graph.get(Influences { miss, base, moved })?).clone();
     Ok(Some(headline))
+}
+
+/// The value of an input and another one, quantities in one readable unit with four digits.
+fn shown(design: &Design, input: &Parameter, value: Value) -> [String; 2] {
+    match (&input.value, &value) {
+        (Value::Number(own), Value::Number(other)) => {
+            let (values, unit) = in_one_unit(&input.unit, [*own, *other]);
+            values.map(|value| format!("{value} {unit}").trim_end().to_owned())
+        }
+        _ => [input.value.clone(), value].map(|value| design.value_in_words(&input.key, value)),
+    }
 }
 
 /// Adds the most influential inputs to the first headline of a sweep.

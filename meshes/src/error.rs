@@ -76,6 +76,9 @@ pub enum MeshError {
     /// A VTK file could not be composed.
     #[error("vtkio cannot compose the file: {0}")]
     Vtk(#[from] vtkio::xml::Error),
+    /// An HDF5 file could not be composed.
+    #[error("hdf5-pure cannot compose the file: {0}")]
+    Hdf5(#[from] hdf5_pure::Error),
     /// Writing a file failed.
     #[error("cannot write {path}: {source}; check that the folder exists and has room")]
     Write {

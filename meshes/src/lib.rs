@@ -3,8 +3,8 @@
 //! A [`Mesh`] contains nodes, elements that each belong to a part, and named groups of element faces. [`block()`],
 //! [`worktable()`] and [`tool()`] build second-order meshes; [`SolidGeometry`] meshes STEP files. [`Surface`] contains
 //! the outer faces with their normals; [`Mesh::locate`] finds the nodes and weights that interpolate a value at any
-//! point. [`msh`], [`vtu`] and [`uff`] exchange files with gmsh, ParaView and modal-test software. All lengths are in
-//! metres.
+//! point. [`msh`], [`vtu`], [`vtkhdf`] and [`uff`] exchange files with gmsh, ParaView and modal-test software. All
+//! lengths are in metres.
 #![forbid(unsafe_code)]
 
 #[cfg(doctest)]
@@ -35,6 +35,7 @@ pub mod temporary;
 mod tool;
 mod tubes;
 pub mod uff;
+pub mod vtkhdf;
 pub mod vtu;
 mod worktable;
 

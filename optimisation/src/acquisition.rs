@@ -39,9 +39,10 @@ pub(crate) fn log_expected_improvement(own: Prediction, best: f64) -> f64 {
     deviation.ln() + h
 }
 
-/// Logarithm of the probability of a value of at most 0.
+/// Logarithm of the probability that the smooth part is at most 0. The roughness would leave every point a chance, even
+/// next to points that violate the constraint by a step.
 pub(crate) fn log_feasibility(own: Prediction) -> f64 {
-    let z = -own.mean / own.deviation.max(MIN_DEVIATION);
+    let z = -own.mean / own.smooth.max(MIN_DEVIATION);
     if z > ASYMPTOTIC {
         cumulative(z).ln()
     } else {
@@ -55,7 +56,11 @@ mod tests {
     use super::*;
 
     fn at(mean: f64, deviation: f64) -> Prediction {
-        Prediction { mean, deviation }
+        Prediction {
+            mean,
+            deviation,
+            smooth: deviation,
+        }
     }
 
     #[test]

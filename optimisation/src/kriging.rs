@@ -40,11 +40,14 @@ pub(crate) struct Kriging {
     values: Vec<f64>,
 }
 
-/// Mean and standard deviation of a prediction.
+/// Mean and standard deviations of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Prediction {
     pub(crate) mean: f64,
+    /// Of an observation.
     pub(crate) deviation: f64,
+    /// Of the smooth part, without the roughness: it falls with each observation near the point.
+    pub(crate) smooth: f64,
 }
 
 /// Logarithms of lengths and roughness.
@@ -107,10 +110,12 @@ impl Kriging {
         self.factor.l_dirty().solve_lower_triangular_mut(&mut solved);
         // The second part is the uncertainty of the mean (Jones et al., eq. 9).
         let of_mean = (1.0 - r.dot(&self.ones)).powi(2) / self.ones.sum();
-        let share = (1.0 + self.roughness - solved.norm_squared() + of_mean).max(0.0);
+        let share = 1.0 - solved.norm_squared() + of_mean;
+        let deviation = |share: f64| (self.variance * share.max(0.0)).sqrt();
         Prediction {
             mean,
-            deviation: (self.variance * share).sqrt(),
+            deviation: deviation(share + self.roughness),
+            smooth: deviation(share),
         }
     }
 

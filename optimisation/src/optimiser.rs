@@ -409,6 +409,34 @@ mod tests {
     }
 
     #[test]
+    fn points_beyond_a_step_of_a_constraint_are_not_tried_again_and_again() {
+        // The shot drives within a window of x; the minimum is at its lower end.
+        for seed in 1..=3 {
+            let optimiser = real(2, seed);
+            let mut observed: Vec<Observation> = Vec::new();
+            while observed.iter().filter(|own| own.feasible()).count() < 25 && observed.len() < 80 {
+                let points = optimiser.propose(&observed, 1);
+                observed.extend(points.into_iter().map(|point| {
+                    let (x, y) = (point[0], point[1]);
+                    let inside = (0.25..0.65).contains(&x);
+                    let objective = 7.0 * (1.0 - ((0.25 - x) / 0.05).exp()) + (y - 0.5).powi(2);
+                    Observation {
+                        point,
+                        excesses: vec![Some(if inside { -1.0 } else { 1.0 }), Some(0.1 * (0.25 - x))],
+                        objectives: inside.then(|| vec![objective]),
+                    }
+                }));
+            }
+            assert!(
+                observed.len() < 65,
+                "seed {seed}: {} points for 25 trials",
+                observed.len()
+            );
+            assert!(best(&observed) < 0.01, "seed {seed}: {}", best(&observed));
+        }
+    }
+
+    #[test]
     fn whole_numbers_and_choices_are_found() {
         for seed in 1..=5 {
             let space = Space::new(vec![Dimension::Real, Dimension::steps(12), Dimension::Choices(4)]);

@@ -138,6 +138,7 @@ fn conflict(own: &Levelled, measured: &Measurements, found: &Found) -> ConflictR
         partner: partner.or(of_cycle),
         probability: found.probability,
         nearest: found.unreached.map(|own| level.quantity.shown(own.nearest).1),
+        unit: level.quantity.shown(0.0).0.to_owned(),
         distance: found.unreached.map(|own| own.distance),
         gain: None,
         widened: found.factor,

@@ -19,6 +19,7 @@ mod quantities;
 mod random;
 mod reader;
 mod result;
+mod shown;
 mod start;
 mod structures;
 mod tool;

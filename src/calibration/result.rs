@@ -5,7 +5,6 @@ use nailnoise_calibration::likelihood::Reading;
 use nailnoise_calibration::sampler::Step;
 use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_quantities::rounded;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -17,6 +16,7 @@ use super::tool::{Tool, shot};
 use crate::design::{Design, Value};
 use crate::result::DesignId;
 use crate::study::VariableKind;
+use crate::wording::in_one_unit;
 
 /// Name and version of the layout.
 const SCHEMA: &str = "nailnoise-calibrated/1";
@@ -170,8 +170,10 @@ pub struct ConflictRow {
     pub partner: Option<String>,
     /// Predictive probability given the others; 0 if out of reach.
     pub probability: f64,
-    /// The nearest value of any candidate in SI units, if out of reach.
+    /// The nearest value of any candidate, if out of reach.
     pub nearest: Option<f64>,
+    /// SI unit of the nearest value.
+    pub unit: String,
     /// Distance of that value in standard deviations.
     pub distance: Option<f64>,
     /// Increase in log evidence without the measurements.
@@ -215,7 +217,7 @@ pub struct FigureRow {
     /// Its name.
     pub name: &'static str,
     /// SI unit.
-    pub unit: &'static str,
+    pub unit: String,
     /// P5, P50 and P95 of candidates.
     pub before: [f64; 3],
     /// P5, P50 and P95 of the draws.
@@ -393,7 +395,7 @@ pub(super) fn result(
     let now = figures_of(&posterior.tool, design, particles.iter().map(|own| own.z.as_slice()));
     let figures = FIGURES.iter().enumerate().map(|(k, figure)| FigureRow {
         name: figure.name,
-        unit: figure.unit,
+        unit: figure.unit.to_owned(),
         before: percentiles(before.iter().map(|row| row[k])),
         now: percentiles(now.iter().map(|row| row[k])),
     });
@@ -556,6 +558,7 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
         });
     }
     let reading = posterior.likelihood.data()[found.datum].reading;
+    let unit = measured.data[found.datum].quantity.dimension().unit();
     let allowed = &posterior.tool.conditions[measured.data[found.datum].condition].outcomes;
     for (outcome, &[low, high]) in &posterior.start.reached[found.datum] {
         let Some(unreached) = found.unreached.filter(|_| !allowed.contains(outcome)) else {
@@ -567,7 +570,10 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
         if (wanted - nearest).abs() < (wanted - unreached.nearest).abs() {
             let how = match nearest == wanted {
                 true => "reach it".to_owned(),
-                false => format!("come nearer, to {}", rounded(nearest, 3, 1e5)),
+                false => {
+                    let ([nearest], unit) = in_one_unit(&unit, [nearest]);
+                    format!("come nearer, to {nearest} {unit}")
+                }
             };
             let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
             remedies.push(format!(
@@ -588,6 +594,7 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
         partner: found.partner.map(name),
         probability: found.probability,
         nearest: found.unreached.map(|own| own.nearest),
+        unit,
         distance: found.unreached.map(|own| own.distance),
         gain: found.gain,
         widened: found.factor,

@@ -7,7 +7,7 @@ use nailnoise_quantities::rounded;
 use serde::Serialize;
 
 use super::table::{table, texts};
-use super::{Keeping, Options, Status, given_or_named, message, print, print_json, progress, structures};
+use super::{Keeping, Options, Shown, Status, given_or_named, message, print, print_json, progress, structures};
 use crate::atomic_write::AtomicWrite;
 use crate::calibration::{
     self, CalibrationResult, ConflictRow, LevelRow, NOT_CONVERGED, NextRow, Request, StructuresRequest, Treatment,
@@ -42,6 +42,8 @@ pub(super) struct Arguments {
     options: Options,
     #[command(flatten)]
     keeping: Keeping,
+    #[command(flatten)]
+    shown: Shown,
     /// File of measurements (TOML)
     #[arg(long, value_name = "FILE", required_unless_present_any = ["next", "structures"])]
     measured: Option<PathBuf>,
@@ -115,7 +117,8 @@ fn of_plates(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
     if arguments.options.json {
         print_json(&result)?;
     } else {
-        print(&structures::text(&result))?;
+        let units = arguments.shown.units;
+        arguments.shown.print(&structures::text(&result, units))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
     }
     Ok(status(result.converged(), result.has_conflict()))
@@ -160,7 +163,8 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
         calibration::calibrate(&store, &design, set, arguments.measured.as_deref(), &request, &progress)?;
     progress.stage("writing files");
     let staging = AtomicWrite::within(&folder)?;
-    let page = report::calibration(&result, &figures::calibration(&result));
+    let shown = result.shown(arguments.shown.units);
+    let page = report::calibration(&shown, &figures::calibration(&result), arguments.shown.units);
     staging.write("calibration.html".as_ref(), page.as_bytes())?;
     staging.write("posterior.csv".as_ref(), &files.draws)?;
     staging.write(calibration::JOINT.as_ref(), &files.joint)?;
@@ -173,7 +177,7 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
     if options.json {
         print_json(&result)?;
     } else {
-        print(&text(&result))?;
+        arguments.shown.print(&text(&shown))?;
         print(&format!(
             "\n  files in {}; open calibration.html for the charts\n",
             folder.display()
@@ -395,9 +399,10 @@ fn next(rows: &[NextRow]) -> String {
 fn conflict(own: &ConflictRow) -> String {
     let mut text = match (&own.partner, own.nearest, own.distance) {
         (_, Some(nearest), Some(distance)) => format!(
-            "  NOT REACHED: no candidate comes near {}; the nearest has {}, {distance:.1} sd away\n",
+            "  NOT REACHED: no candidate comes near {}; the nearest has {} {}, {distance:.1} sd away\n",
             own.measurement,
-            number(nearest)
+            number(nearest),
+            own.unit
         ),
         (Some(partner), ..) => format!(
             "  CONFLICT: {} and {partner} contradict each other (probability {:.1e})\n",

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Status;
 use super::{
     Changes, Keeping, Memory, Shown, Threads, comparison_page, comparison_sounds, folder_of, message, print,
-    print_json, progress, status_of, table,
+    print_json, status_of, table,
 };
 use crate::artifacts::Delivery;
 use crate::atomic_write;
@@ -85,7 +85,7 @@ pub(super) struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
-    let progress = progress();
+    let progress = arguments.shown.progress();
     let cache = arguments.keeping.cache()?;
     if let [design] = arguments.designs.as_slice() {
         return Err(ComparisonError::NothingToCompare { path: design.clone() }.into());

@@ -5,7 +5,7 @@ use std::path::Path;
 use nailnoise_pipeline::PipelineError;
 
 use super::{Status, compare::Arguments};
-use super::{print, print_json, progress, table};
+use super::{print, print_json, table};
 use crate::atomic_write;
 use crate::comparison::ComparisonError;
 use crate::cost;
@@ -24,7 +24,7 @@ const DRAWS: u32 = 64;
 
 pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
     arguments.threads.start()?;
-    let progress = progress();
+    let progress = arguments.shown.progress();
     let cache = arguments.keeping.cache()?;
     let measured = Measurements::read(file)?;
     let designs = arguments

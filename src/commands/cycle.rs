@@ -7,7 +7,7 @@ use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
 use super::assembly::Asked;
-use super::{Common, Status, print, print_json, progress, status_of, table};
+use super::{Common, Status, print, print_json, status_of, table};
 use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
@@ -115,7 +115,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         Some(preset) if common.options.out.is_none() => common.out(&design)?.join(preset.as_str()),
         _ => common.out(&design)?,
     };
-    let progress = progress();
+    let progress = common.shown.progress();
     progress.stage("nailing cycle");
     let record = match (preset, &arguments.penetration_table) {
         (Some(preset), _) => chain::cycle_as_published(&design, preset)?,

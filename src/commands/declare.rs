@@ -1,12 +1,10 @@
-//! `nailnoise declare`: the noise declaration of a design as one page.
+//! `nailnoise declare`: the noise declaration of a design as one page to print, and as a document.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{
-    Changes, Keeping, Memory, Status, Threads, given_or_named, message, print, print_json, progress, status_of,
-};
+use super::{Changes, Keeping, Memory, Shown, Status, Threads, given_or_named, message, print_json, status_of};
 use crate::artifacts::Delivery;
 use crate::atomic_write;
 use crate::comparison::{self, ComparisonError};
@@ -16,12 +14,13 @@ use crate::output::Exports;
 use crate::report;
 use crate::result::{Check, Declaration, EarReport};
 
-/// Name of the page in the folder of a run.
+/// Names of the page and of the document in the folder of a run.
 const PAGE: &str = "declaration.html";
+const DOCUMENT: &str = "declaration.docx";
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise declare my-tool.toml" => "the declared levels; the page is out/my-tool/declaration.html",
+    "nailnoise declare my-tool.toml" => "the declared levels; the sheet is out/my-tool/declaration.html and .docx",
     "nailnoise declare out/my-tool --rate 2 --shots-a-day 1500" => "of a finished run, with the exposure of a day",
 ))]
 pub(super) struct Arguments {
@@ -47,6 +46,8 @@ pub(super) struct Arguments {
     memory: Memory,
     #[command(flatten)]
     changes: Changes,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 /// A number above zero.
@@ -70,6 +71,7 @@ struct Layout<'a> {
     lpa_db: Option<f64>,
     lex_8h_db: Option<f64>,
     page: String,
+    document: String,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
@@ -95,8 +97,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         shots_a_day: arguments.shots_a_day,
     };
     let folder = arguments.out.clone().or_else(|| path.parent().map(Path::to_owned));
-    let page = folder.unwrap_or_default().join(PAGE);
-    atomic_write::write(&page, report::declaration(&of, usage).as_bytes())?;
+    let folder = folder.unwrap_or_default();
+    let [page, document] = [PAGE, DOCUMENT].map(|name| folder.join(name));
+    let units = arguments.shown.units;
+    atomic_write::write(&page, report::declaration(&of, usage, units).as_bytes())?;
+    atomic_write::write(&document, &report::declaration_document(&of, usage, units)?)?;
     let levels = usage.levels(of.total.lwa_db, of.ear.lpa_1s_db);
     if arguments.json {
         print_json(&Layout {
@@ -110,17 +115,19 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             lpa_db: levels.pressure_db,
             lex_8h_db: levels.exposure_db,
             page: page.display().to_string(),
+            document: document.display().to_string(),
         })?;
     } else {
         let [power, peak] = declaration::lines(&of.declaration, &of.ear);
         let exposure = levels.exposure_db;
         let exposure = exposure.map_or_else(|| "silent".to_owned(), |db| format!("{db:.0} dB"));
-        print(&format!(
+        arguments.shown.print(&format!(
             "{}: declared values\n\n  {power}\n  {peak}\n  L_EX,8h {exposure} by {} shots a day\n\n  as a page to \
-             print: {}\n",
+             print: {}\n  as a document to edit: {}\n",
             of.design.name,
             usage.shots_a_day,
-            page.display()
+            page.display(),
+            document.display()
         ))?;
     }
     let status = status_of(&checks);
@@ -139,7 +146,7 @@ fn computed(arguments: &Arguments, checks: &mut Vec<Check>) -> Result<(String, P
     let design = arguments.changes.load(&arguments.design)?;
     design.refuse_assembly()?;
     let folder = given_or_named(arguments.out.as_deref(), design.name(), design.path())?;
-    let progress = progress();
+    let progress = arguments.shown.progress();
     let delivery = Delivery {
         design: &design,
         folder: &folder,

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use super::{Shown, Threads, given_or_named, message, print_json, table};
 use super::{Status, progress::noted};
-use super::{Threads, given_or_named, message, print, print_json, progress, table};
 use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
@@ -51,6 +51,8 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     threads: Threads,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 /// The words of [`Reading`].
@@ -70,7 +72,7 @@ fn reading() -> impl TypedValueParser<Value = Reading> {
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let path = &arguments.manifest;
-    let progress = progress();
+    let progress = arguments.shown.progress();
     progress.stage("manifest");
     let manifest = Manifest::load(path)?;
     manifest
@@ -109,7 +111,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     }
     staging.write(
         Path::new("measurement.html"),
-        report::measurement(&measured.result, &charts).as_bytes(),
+        report::measurement(&measured.result, &charts, arguments.shown.units).as_bytes(),
     )?;
     let json = serde_json::to_vec_pretty(&measured.result).map_err(Error::Json)?;
     staging.write(Path::new(LAST), &json)?;
@@ -118,7 +120,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if arguments.json {
         print_json(&measured.result)?;
     } else {
-        print(&text(&measured, &folder))?;
+        arguments.shown.print(&text(&measured, &folder))?;
     }
     Ok(Status::SUCCESS)
 }

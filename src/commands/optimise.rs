@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::python::Cluster;
 use super::run::delivered;
-use super::{Common, Keeping, Status, print_json, progress, status_of, table};
+use super::{Common, Keeping, Status, print_json, status_of, table};
 use crate::artifacts::Delivery;
 use crate::atomic_write::AtomicWrite;
 use crate::design::{Assignment, Design};
@@ -89,7 +89,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         Some(folder) => folder.clone(),
         None => common.out(&design)?.join("optimised"),
     };
-    let progress = progress();
+    let progress = common.shown.progress();
     progress.stage("designs with levels");
     let store = match &arguments.store {
         Some(folder) => Store::shared(folder)?,

@@ -10,6 +10,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use super::message;
 use super::stage_words::in_words;
 use crate::stages::{Observer, Progress, Task};
+use crate::units::Units;
 
 /// Whether `--quiet` was given.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -36,6 +37,11 @@ pub(super) fn noted(notes: &[String]) -> String {
 
 /// Progress on this process's standard error.
 pub(crate) fn progress() -> Progress {
+    progress_in(Units::Si)
+}
+
+/// The same with remarks in these units.
+pub(super) fn progress_in(units: Units) -> Progress {
     let quiet = QUIET.load(Ordering::Relaxed);
     let lines = MultiProgress::new();
     let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
@@ -51,6 +57,7 @@ pub(crate) fn progress() -> Progress {
         lines,
         tasks: Mutex::default(),
         quiet,
+        units,
         since: Instant::now(),
     }))
 }
@@ -62,6 +69,7 @@ struct Terminal {
     lines: MultiProgress,
     tasks: Mutex<Vec<(&'static str, ProgressBar)>>,
     quiet: bool,
+    units: Units,
     since: Instant,
 }
 
@@ -76,6 +84,7 @@ impl Observer for Terminal {
     }
 
     fn note(&self, text: &str) {
+        let text = self.units.text(text);
         match &self.bar {
             Some(_) => self.lines.suspend(|| message(&format!("note: {text}"))),
             None if self.quiet => {}

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::next_lines::next_lines;
-use super::{Common, Keeping, message, print, progress, status_of, table};
+use super::{Common, Keeping, message, print, status_of, table};
 use super::{Status, progress::noted};
 use crate::artifacts::{Delivered, Delivery, PrintedResult};
 use crate::calibration::next_of_study;
@@ -61,7 +61,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
-    let progress = progress();
+    let progress = common.shown.progress();
     let delivery = Delivery {
         design: &design,
         folder: &folder,

@@ -6,12 +6,17 @@ use super::table::{table, texts};
 use crate::calibration::{NOT_CONVERGED, PeakRow, PlateResult, StructuresResult, Verdict};
 use crate::error::Error;
 use crate::output;
+use crate::units::Units;
 
 /// The file written last, whose presence shows that the folder is complete.
 pub(super) const RESULT: &str = "structures.json";
 
-/// Inputs in the table of plates: name, unit of the column, and that unit in SI units.
-const SHOWN: [(&str, &str, f64); 3] = [("e_l", "GPa", 1e9), ("e_r", "GPa", 1e9), ("g_lr", "GPa", 1e9)];
+/// Inputs in the table of plates.
+const SHOWN: [&str; 3] = ["e_l", "e_r", "g_lr"];
+
+/// Metric units of the columns and their sizes in SI units: of densities and of moduli.
+const DENSITY: (&str, f64) = ("kg/m3", 1.0);
+const MODULUS: (&str, f64) = ("GPa", 1e9);
 
 /// `modes.csv`: one row per plate and mode.
 pub(super) fn modes(result: &StructuresResult) -> Result<Vec<u8>, Error> {
@@ -43,18 +48,25 @@ fn shown([low, middle, high]: [f64; 3], size: f64) -> String {
     format!("{} ({} .. {})", number(middle), number(low), number(high))
 }
 
-pub(super) fn text(result: &StructuresResult) -> String {
-    let headings = SHOWN.map(|(name, unit, _)| format!("{name} [{unit}]"));
-    let names = ["plate", "density [kg/m3]"].into_iter().map(str::to_owned);
+/// A metric unit in these units, and its size in SI units.
+fn unit_in((unit, size): (&'static str, f64), units: Units) -> (&'static str, f64) {
+    let conversion = units.conversion(unit, 0.0);
+    conversion.map_or((unit, size), |own| (own.unit, size / own.factor))
+}
+
+pub(super) fn text(result: &StructuresResult, units: Units) -> String {
+    let [(density, of_density), (modulus, of_modulus)] = [DENSITY, MODULUS].map(|own| unit_in(own, units));
+    let headings = SHOWN.map(|name| format!("{name} [{modulus}]"));
+    let names = ["plate".to_owned(), format!("density [{density}]")].into_iter();
     let headings: Vec<String> = names.chain(headings).chain(["peaks used".to_owned()]).collect();
     let row = |own: &PlateResult| {
-        let of = |(name, _, size): &(&str, &str, f64)| {
+        let of = |name: &&str| {
             let input = own.inputs.iter().find(|input| input.name == *name);
-            input.map_or_else(String::new, |input| shown(input.now, *size))
+            input.map_or_else(String::new, |input| shown(input.now, of_modulus))
         };
         let peaks = own.peaks.iter().filter(|peak| peak.nodal_lines.is_some());
         let used = peaks.clone().filter(|peak| peak.counts).count();
-        let mut row = vec![own.name.clone(), shown(own.density, 1.0)];
+        let mut row = vec![own.name.clone(), shown(own.density, of_density)];
         row.extend(SHOWN.iter().map(of));
         row.push(format!("{used} of {}", peaks.count()));
         row

@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::study_text::text;
-use super::{Common, Keeping, message, print, print_json, progress};
+use super::{Common, Keeping, message, print, print_json};
 use super::{Status, python::Cluster};
 use crate::atomic_write::{self, AtomicWrite};
 use crate::chain;
@@ -174,7 +174,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .into());
     }
     cost::refuse(&design, &cost::of_run(&design)?, common.options.memory.limit())?;
-    let progress = progress();
+    let progress = common.shown.progress();
     let most = arguments.draws as usize;
     let draws_at_first = match arguments.until.as_slice() {
         [] => most,
@@ -264,7 +264,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         "study.html".as_ref(),
         report::study(&result, &charts, &scatter, units).as_bytes(),
     )?;
-    staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
+    for (name, bytes) in ["draws.csv", "draws.h5"].into_iter().zip(study::draw_files(&made)?) {
+        staging.write(name.as_ref(), &bytes)?;
+    }
     if let Some(partners) = partners {
         staging.write("groups.csv".as_ref(), &partners)?;
     }

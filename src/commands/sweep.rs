@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::run::delivered;
-use super::{Common, Keeping, print, print_json, progress, status_of, table};
+use super::{Common, Keeping, print, print_json, status_of, table};
 use super::{Status, python::Cluster};
 use crate::artifacts::Delivery;
 use crate::atomic_write::AtomicWrite;
@@ -80,7 +80,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("sweep");
-    let progress = progress();
+    let progress = common.shown.progress();
     progress.stage("levels over the grid");
     let store = match &arguments.store {
         Some(folder) => Store::shared(folder)?,

@@ -12,7 +12,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
 use super::effects::Effects;
 use super::stage_words::in_words;
-use super::{Changes, Keeping, Memory, Shown, Threads, print, progress};
+use super::{Changes, Keeping, Memory, Shown, Threads, print};
 use super::{Status, progress::note};
 use crate::artifacts::ReportedRun;
 use crate::cost;
@@ -98,7 +98,7 @@ impl Watching<'_> {
         let (moves, values) = self.board.moved();
         let watched = Arc::new(Watched::new(&self.arguments.design, &values));
         let progress = Progress::to(Arc::new(Interested {
-            terminal: progress().observer(),
+            terminal: self.arguments.shown.progress().observer(),
             board: Arc::clone(&self.board),
             watched: Arc::clone(&watched),
             moves,

@@ -5,6 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
+use nailnoise_meshes::Surface;
+use nailnoise_meshes::vtkhdf::{FilmFrame, FilmSurface};
 use nailnoise_meshes::vtu::{Array, Frames};
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +27,11 @@ enum Content {
     Frame {
         grid: usize,
         fields: Vec<Array>,
+    },
+    /// All frames of a film, each a time \[s\] and the index of its file, in one VTKHDF file.
+    Film {
+        surface: FilmSurface,
+        frames: Vec<(f64, usize)>,
     },
 }
 
@@ -53,6 +60,13 @@ impl Fields {
         match &self.files[file].1 {
             Content::Text(text) => bytes.extend_from_slice(text),
             Content::Frame { grid, fields } => self.grids[*grid].render(fields, bytes)?,
+            Content::Film { surface, frames } => {
+                let frames = frames.iter().filter_map(|&(time, file)| match &self.files[file].1 {
+                    Content::Frame { fields, .. } => Some(FilmFrame { time, fields }),
+                    _ => None,
+                });
+                *bytes = surface.film(&frames.collect::<Vec<_>>())?;
+            }
         }
         Ok(())
     }
@@ -84,5 +98,18 @@ impl Fields {
         }
         let list = Path::new(FIELDS).join(format!("{name}.pvd"));
         self.text(list, nailnoise_meshes::vtu::series(&listed));
+    }
+
+    /// Adds the same as [`series`](Self::series), and all frames in one file, `NAME.vtkhdf`.
+    pub(super) fn film(&mut self, name: &str, surface: &Surface, frames: Vec<(f64, String, Vec<Array>)>) {
+        let first = self.files.len();
+        let frames_of = |(frame, (time, ..)): (usize, &(f64, String, Vec<Array>))| (*time, first + frame);
+        let content = Content::Film {
+            surface: FilmSurface::of(surface),
+            frames: frames.iter().enumerate().map(frames_of).collect(),
+        };
+        self.series(name, frames);
+        let path = Path::new(FIELDS).join(format!("{name}.vtkhdf"));
+        self.files.push((path, content));
     }
 }

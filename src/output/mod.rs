@@ -2,6 +2,7 @@
 
 mod body_fields;
 mod columns;
+mod dataset;
 mod events;
 mod fields;
 mod figures;
@@ -43,6 +44,7 @@ use crate::units::Units;
 
 pub use body_fields::BodyFields;
 pub use columns::{Column, columns, columns_of};
+pub(crate) use dataset::table_hdf5;
 pub use file::File;
 pub use film::Fields;
 pub use list::{OUTPUTS, of_cycle, of_keys, of_run, of_study};

@@ -24,8 +24,9 @@ const FRAMES: usize = 120;
 const FADING: f64 = 0.01;
 
 /// Adds `BODY-shot.pvd` and one `.vtu` per instant: the velocity vector \[m/s\] at every point of the surface. Adds
-/// `BODY-film.pvd` with displacement \[m\] and velocity at uniform steps from the first event on, whose times are those
-/// of the shot times `slow_motion`, so that ParaView plays it in real time that many times slower.
+/// `BODY-film.pvd` and `BODY-film.vtkhdf` with displacement \[m\] and velocity at uniform steps from the first event
+/// on, whose times are those of the shot times `slow_motion`, so that ParaView plays it in real time that many times
+/// slower.
 pub(super) fn add(
     fields: &mut Fields,
     driven: &BodyInMotion,
@@ -51,7 +52,8 @@ pub(super) fn add(
         let time = (*sample - start) as f64 * step * f64::from(slow_motion);
         (time, format!("{frame:03}"), vec![displacement, velocity])
     });
-    fields.series(&format!("{}-film", driven.body.name), frames.collect());
+    let name = format!("{}-film", driven.body.name);
+    fields.film(&name, &driven.body.surface, frames.collect());
     Ok(())
 }
 

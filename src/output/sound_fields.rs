@@ -63,12 +63,15 @@ pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf>
     outdated
 }
 
-/// Films of bodies in a folder, relative to it: a list and a folder of frames for each.
+/// Films of bodies in a folder, relative to it: a list, a folder of frames, and one file with all of them for each.
 fn films_in(folder: &Path) -> Vec<PathBuf> {
     let fields = Path::new(FIELDS);
     let bodies = BodyKind::ALL.into_iter().map(BodyKind::name);
     let films = bodies.flat_map(|body| ["shot", "film", "bands"].map(|film| format!("{body}-{film}")));
-    let paths = films.flat_map(|film| [fields.join(format!("{film}.pvd")), fields.join(film)]);
+    let paths = films.flat_map(|film| {
+        let files = ["pvd", "vtkhdf"].map(|end| fields.join(format!("{film}.{end}")));
+        files.into_iter().chain([fields.join(film)])
+    });
     paths.filter(|path| folder.join(path).exists()).collect()
 }
 

@@ -108,7 +108,7 @@ fn conflicts(result: &CalibrationResult) -> Markup {
             p {
                 @match (own.nearest, own.distance) {
                     (Some(nearest), Some(distance)) => {
-                        "No candidate comes near it: the nearest has " (number(nearest)) ", "
+                        "No candidate comes near it: the nearest has " (number(nearest)) " " (own.unit) ", "
                         (format!("{distance:.1}")) " standard deviations away. "
                     }
                     _ => {

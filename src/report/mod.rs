@@ -291,9 +291,9 @@ pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures
     study::page(result, charts, scatter).html(units)
 }
 
-/// The page of a calibration, with these charts.
-pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
-    calibration::page(result, charts).html(Units::Si)
+/// The page of a calibration, whose result is shown in these units, with these charts.
+pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart], units: Units) -> String {
+    calibration::page(result, charts).html(units)
 }
 
 /// The page of an optimisation with these charts; `reports` are the files of the designs of its front, if any.
@@ -320,8 +320,8 @@ pub fn measured(comparison: &MeasuredComparison, units: Units) -> String {
 }
 
 /// The page of a wrapping test, with these charts.
-pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> String {
-    measurement::page(result, charts).html(Units::Si)
+pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart], units: Units) -> String {
+    measurement::page(result, charts).html(units)
 }
 
 /// The report of a comparison. `identity` identifies the files compared; the report includes the changes over common
@@ -336,9 +336,21 @@ pub fn comparison(
     compared::page(comparison, paired, (identity, units), recordings).html(units)
 }
 
-/// The declaration sheet of a finished result, for a use of the tool.
-pub fn declaration(of: &declaration::Finished, usage: declaration::Use) -> String {
-    sheet::page(of, usage).html(Units::Si)
+/// The declaration sheet of a finished result as a page, for a use of the tool.
+pub fn declaration(of: &declaration::Finished, usage: declaration::Use, units: Units) -> String {
+    sheet::page(of, usage).html(units)
+}
+
+/// The declaration sheet of a finished result as a document of a word processor, for a use of the tool.
+///
+/// # Errors
+/// [`Error::Document`].
+pub fn declaration_document(
+    of: &declaration::Finished,
+    usage: declaration::Use,
+    units: Units,
+) -> Result<Vec<u8>, Error> {
+    sheet::document(of, usage, units).map_err(Error::Document)
 }
 
 fn ranking(result: &RunResult) -> Markup {

@@ -5,7 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::figures::subscripts;
 
 /// Characters in the terminal, and their typeset form on a page.
-const TYPESET: [(&str, &str); 12] = [
+const TYPESET: [(&str, &str); 18] = [
     ("+-", "\u{b1}"),
     ("<= ", "\u{2264} "),
     (">= ", "\u{2265} "),
@@ -16,6 +16,12 @@ const TYPESET: [(&str, &str); 12] = [
     ("cm3", "cm\u{b3}"),
     ("/m3", "/m\u{b3}"),
     (" ft3", " ft\u{b3}"),
+    ("[ft3", "[ft\u{b3}"),
+    ("[m3", "[m\u{b3}"),
+    ("[m2", "[m\u{b2}"),
+    ("[in2", "[in\u{b2}"),
+    ("m/s2", "m/s\u{b2}"),
+    ("m\u{b2}/s2", "m\u{b2}/s\u{b2}"),
     (" um", " \u{b5}m"),
     (" -> ", " \u{2192} "),
 ];
@@ -25,6 +31,21 @@ pub(super) fn with_subscripts(text: &str) -> Markup {
     let set = symbols(&typeset(text));
     let escaped = html! { (set) }.into_string();
     PreEscaped(subscripts(&escaped, "<sub>", "</sub>"))
+}
+
+/// The parts of a text with the signs of a page, each with whether it is a subscript.
+pub(super) fn parts(text: &str) -> Vec<(String, bool)> {
+    const ENDS: [&str; 2] = ["\u{2}", "\u{3}"];
+    let [before, after] = ENDS;
+    let marked = subscripts(&symbols(&typeset(text)), before, after);
+    let mut parts = Vec::new();
+    for part in marked.split(before) {
+        let (low, plain) = part.split_once(after).unwrap_or(("", part));
+        parts.push((low.to_owned(), true));
+        parts.push((plain.to_owned(), false));
+    }
+    parts.retain(|(part, _)| !part.is_empty());
+    parts
 }
 
 /// A text whose symbols of one letter and `_` have their subscript in braces: `L_{WA,1s}` for `L_WA,1s`. Names of keys
@@ -105,10 +126,24 @@ mod tests {
             ("-1.0 / -2.0", "\u{2212}1.0 / \u{2212}2.0"),
             ("n80cb-2", "n80cb-2"),
             ("variance 2.0 dB2", "variance 2.0 dB\u{b2}"),
+            ("air a shot [ft3], 9.81 m/s2", "air a shot [ft\u{b3}], 9.81 m/s\u{b2}"),
             ("300 cm3 -> 500 cm3", "300 cm\u{b3} \u{2192} 500 cm\u{b3}"),
         ] {
             assert_eq!(typeset(plain), set);
         }
+    }
+
+    #[test]
+    fn the_parts_of_a_text_are_low_or_not() {
+        let found = parts("L_WA,1s >= 102 dB, L_pC,peak");
+        let found: Vec<(&str, bool)> = found.iter().map(|(part, low)| (part.as_str(), *low)).collect();
+        let expected = [
+            ("L", false),
+            ("WA,1s", true),
+            (" \u{2265} 102 dB, L", false),
+            ("pC,peak", true),
+        ];
+        assert_eq!(found, expected);
     }
 
     #[test]

@@ -290,6 +290,9 @@ impl Headline {
     }
 }
 
+/// Largest number of shots whose ends are named one by one; of more, the ends are counted.
+const LISTED: usize = 4;
+
 /// Reason why levels of shots with different outcomes must not be compared; `ends` are their names and headlines.
 pub fn unlike<'a>(ends: impl IntoIterator<Item = (&'a str, Option<&'a Headline>)>) -> Option<String> {
     let ends: Vec<(&str, Option<&Headline>)> = ends.into_iter().collect();
@@ -303,13 +306,25 @@ pub fn unlike<'a>(ends: impl IntoIterator<Item = (&'a str, Option<&'a Headline>)
         (outcome @ ("overdriven" | "underdriven"), true) => format!("is {outcome}"),
         (outcome, _) => outcome.replace('_', " "),
     };
-    let said = ends
-        .iter()
-        .map(|(name, end)| format!("{name} {}", end.map_or_else(|| "drives".to_owned(), word)));
+    let ended = |end: &Option<&Headline>| end.map_or_else(|| "drives".to_owned(), word);
+    let said: Vec<String> = if ends.len() <= LISTED {
+        ends.iter()
+            .map(|(name, end)| format!("{name} {}", ended(end)))
+            .collect()
+    } else {
+        let mut counts: Vec<(String, usize)> = Vec::new();
+        for word in ends.iter().map(|(_, end)| ended(end)) {
+            match counts.iter_mut().find(|(own, _)| *own == word) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((word, 1)),
+            }
+        }
+        counts.iter().map(|(word, count)| format!("{word}: {count}")).collect()
+    };
     Some(format!(
         "the shots do not end alike ({}): differences of their levels are not the effect of a change on the noise of \
          a driven nail",
-        said.collect::<Vec<_>>().join(", ")
+        said.join(", ")
     ))
 }
 

@@ -73,7 +73,7 @@ pub use study_store::{Found, store_study, stored_study};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
 pub(crate) use sweep::number as number_and_unit;
 pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};
-pub use table::csv;
+pub use table::draw_files;
 pub use variable_report::VariableReport;
 pub(crate) use variables::without_sensors;
 pub use variables::{Drawn, Scope, Variable, VariableKind, common_variables, differing_keys, in_force, variables};

@@ -1,4 +1,4 @@
-//! `draws.csv`: one row per draw.
+//! `draws.csv` and `draws.h5`: one row per draw.
 
 use super::draws::Draws;
 use super::level_table::LevelTable;
@@ -7,12 +7,19 @@ use crate::design::Value;
 use crate::error::Error;
 use crate::output;
 
-/// One row per draw: its structure and candidate, levels including the errors of methods \[dB re 1 pW s\], these errors
-/// \[dB\], figures of the shot, then the variables in SI units; empty if fixed.
+/// The draws as CSV and as HDF5, where each column is a data set: structure and candidate of each draw, levels
+/// including the errors of methods \[dB re 1 pW s\], these errors \[dB\], figures of the shot, then the variables in SI
+/// units; empty if fixed.
 ///
 /// # Errors
-/// [`Error::Table`] if rows differ in length.
-pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
+/// [`Error::Table`] if rows differ in length; [`Error::Hdf5`].
+pub fn draw_files(made: &Draws) -> Result<[Vec<u8>; 2], Error> {
+    let (header, rows) = table(made);
+    Ok([output::table(&header, &rows)?, output::table_hdf5(&header, &rows)?])
+}
+
+/// Headings, and one row per draw.
+fn table(made: &Draws) -> (Vec<String>, Vec<Vec<String>>) {
     let levels = LevelTable::new(&made.draws);
     let sources = &levels.names;
     let totals = levels.totals();
@@ -75,5 +82,5 @@ pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
             .chain(drawn)
             .collect::<Vec<_>>()
     });
-    output::table(header, rows)
+    (header.collect(), rows.collect())
 }

@@ -7,7 +7,10 @@ use super::{Cell, Column, Table, dash, decibels, fixed};
 use crate::comparison::{Comparison, Labelled, Levels, ValueRow};
 use crate::result::{Ends, PerformanceFigure};
 use crate::study::legend;
-use crate::wording::{band, change, readable};
+use crate::wording::{band, change, readable, readable_at};
+
+/// Significant digits of the values of a design.
+const DIGITS: usize = 6;
 
 impl Comparison {
     /// A column of words, followed by one for each design.
@@ -21,12 +24,11 @@ impl Comparison {
         let mut columns = self.columns("key", |name| Column::short(name));
         columns[0] = Column::keys("key");
         let rows = self.inputs.iter().map(|row| {
-            let key = match row.unit.as_str() {
-                "" => row.key.clone(),
-                unit => format!("{} [{unit}]", row.key),
-            };
-            std::iter::once(key)
-                .chain(row.values.iter().map(plain))
+            let numbers = || row.values.iter().filter_map(Value::as_f64);
+            let largest = numbers().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let (unit, factor) = readable_at(&row.unit, largest);
+            std::iter::once(labelled(&row.key, unit))
+                .chain(row.values.iter().map(|value| plain(value, factor)))
                 .map(Cell::from)
                 .collect()
         });
@@ -224,14 +226,15 @@ fn significant(value: f64) -> String {
     }
 }
 
-fn plain(value: &Value) -> String {
+/// A value of the design, a number multiplied by this factor.
+fn plain(value: &Value, factor: f64) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::String(word) => word.clone(),
-        // The digits of a design value without the last ones, which are due to unit conversion.
+        // Of a value that is not stated in this unit, the last digits say nothing.
         Value::Number(number) => number
             .as_f64()
-            .map_or_else(|| number.to_string(), |value| rounded(value, 12, 1e7)),
+            .map_or_else(|| number.to_string(), |value| rounded(factor * value, DIGITS, 1e7)),
         other => other.to_string(),
     }
 }

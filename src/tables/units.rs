@@ -40,10 +40,14 @@ impl Table {
     }
 }
 
-/// The conversion of the cells below or next to a heading with a unit.
+/// The conversion of the cells below or next to a heading with a unit; `None` if a cell has digits that are not plain
+/// numbers, because the heading would no longer be true for it.
 fn of_heading<'a>(units: Units, heading: &str, cells: impl Iterator<Item = &'a Cell>) -> Option<Conversion> {
-    let largest = cells.filter_map(|cell| largest(&cell.text)).fold(0.0, f64::max);
-    units.conversion(unit_of(heading), largest)
+    let mut most = 0.0_f64;
+    for cell in cells.filter(|cell| cell.text.contains(|letter: char| letter.is_ascii_digit())) {
+        most = most.max(largest(&cell.text)?);
+    }
+    units.conversion(unit_of(heading), most)
 }
 
 fn in_column(cell: &mut Cell, conversion: Conversion) {
@@ -85,6 +89,13 @@ mod tests {
             texts(&shown),
             [["at 0.157 in", "0.157", "100.2"], ["none", "-", "5.90 .. 6.64 ft-lbf"]]
         );
+    }
+
+    #[test]
+    fn a_heading_changes_only_with_all_of_its_numbers() {
+        let rows = [vec!["8.0".into()], vec!["8.0 (7.0 .. 9.0)".into()]];
+        let table = Table::new([Column::number("energy J")], rows);
+        assert_eq!(table.clone().in_units(Units::Us), table);
     }
 
     #[test]

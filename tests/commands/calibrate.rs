@@ -325,3 +325,26 @@ fn measured_levels_narrow_the_total_around_the_truth_unless_they_contradict_each
     assert_eq!(row["now"], row["before"], "{text}");
     assert!(text.contains("left out of all intervals"), "{text}");
 }
+
+/// Depths are read in mm or in, not in metres, and the file stays in SI units.
+#[test]
+fn readings_have_readable_units() {
+    let (folder, design) = made("units", &measurements("-2 mm", "2 mm"));
+    let text = |units: &str| {
+        let output = calibrate(&folder, &design, &["--draws", "64", "--units", units]);
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let unit = |text: &str| -> Vec<String> {
+        let line = text.lines().find(|line| line.trim().starts_with("high ")).unwrap();
+        line.split_whitespace().map(str::to_owned).take(3).collect()
+    };
+    let (si, us) = (text("si"), text("us"));
+    assert_eq!(unit(&si), ["high", "2", "mm"]);
+    assert_eq!(unit(&us), ["high", "0.0787", "in"]);
+    assert!(si.contains("head depth [mm]") && us.contains("head depth [in]"), "{us}");
+    let reading = &result(&folder)["measurements"][1];
+    assert_eq!(
+        (reading["unit"].as_str(), reading["reading"][0].as_f64()),
+        (Some("m"), Some(2e-3))
+    );
+}

@@ -116,7 +116,7 @@ fn the_table_shows_inputs_sources_and_events() {
     let [loud, quiet] = results();
     let text = limited(&loud, &quiet).1;
     for part in [
-        "supply.pressure [Pa]",
+        "supply.pressure [kPa]",
         "exhaust",
         "ranking",
         "total",

@@ -9,6 +9,7 @@ mod cache;
 mod calibrate;
 mod compare;
 mod cycle;
+mod declare;
 mod documented_designs;
 mod drawing;
 mod examples;

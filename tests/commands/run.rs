@@ -191,6 +191,8 @@ fn films_and_whole_histories_are_written_where_they_are_asked_for() {
         "fields/workpiece-shot.pvd",
         "fields/worktable-shot/000.vtu",
         "fields/worktable-bands.pvd",
+        "fields/workpiece-film.pvd",
+        "fields/workpiece-film.vtkhdf",
     ];
     run(&[]);
     assert!(films.iter().all(|film| !out.join(film).exists()));

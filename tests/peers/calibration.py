@@ -90,6 +90,7 @@ def main():
         "peak penetration force": shots["96 psig"]["summary"]["peak_penetration_force"],
         "air through the exhaust": shots["96 psig"]["summary"]["exhaust_mass"],
     }
+    readable = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "kg": ("g", 1e3)}
     covered = 0
     print("| figure | true | before, 90 % | now, 90 % |\n|---|---|---|---|")
     for row in result["figures"]:
@@ -98,8 +99,9 @@ def main():
         value = truth[row["name"]]
         (low, _, high), (now_low, _, now_high) = row["before"], row["now"]
         covered += now_low <= value <= now_high
-        before, now = f"{low:.3g} .. {high:.3g}", f"{now_low:.3g} .. {now_high:.3g}"
-        print(f"| {row['name']} [{row['unit']}] | {value:.3g} | {before} | {now} |")
+        unit, factor = readable.get(row["unit"], (row["unit"], 1.0))
+        ends = [f"{factor * low:.3g} .. {factor * high:.3g}", f"{factor * now_low:.3g} .. {factor * now_high:.3g}"]
+        print(f"| {row['name']} [{unit}] | {factor * value:.3g} | {ends[0]} | {ends[1]} |")
     print(f"{covered} of {len(truth)} true figures lie in their intervals; converged: {result['converged']}")
     if covered < len(truth) - 1:
         sys.exit("too few")

@@ -5,14 +5,17 @@ import json
 import pathlib
 import sys
 import wave
+import xml.etree.ElementTree
 
 import numpy
 import pyuff
 
 # Modules that need no display.
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
 from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 work = pathlib.Path(sys.argv[1])
@@ -59,6 +62,29 @@ assert abs(volume(tool) / checked["quality"]["volume"] - 1) < 0.02, (volume(tool
 plate = grid(next((work / "plate/modes/tool").glob("mode-*.vtu")))
 assert abs(volume(plate) / (0.3 * 0.2 * 0.02) - 1) < 1e-6
 print(f"VTK read {files} .vtu files")
+
+# The film in one file has the times, faces and values of its frames.
+films = 0
+for path in sorted(work.rglob("*.vtkhdf")):
+    series = xml.etree.ElementTree.parse(path.with_suffix(".pvd")).iter("DataSet")
+    listed = [(float(frame.get("timestep")), path.parent / frame.get("file")) for frame in series]
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    assert numpy.allclose(times, [time for time, _ in listed], rtol=1e-12), path
+    for time, frame in (listed[0], listed[len(listed) // 2], listed[-1]):
+        reader.UpdateTimeStep(time)
+        found, expected = reader.GetOutput(), grid(frame)
+        assert found.GetNumberOfCells() == expected.GetNumberOfCells()
+        assert (vtk_to_numpy(found.GetPoints().GetData()) == vtk_to_numpy(expected.GetPoints().GetData())).all()
+        for name in ("displacement [m]", "velocity [m/s]"):
+            one = found.GetPointData().GetArray(name.replace("/", " per "))
+            other = expected.GetPointData().GetArray(name)
+            assert (vtk_to_numpy(one) == vtk_to_numpy(other)).all(), (path, name)
+    films += 1
+assert films == 2, films
+print(f"VTK read {films} .vtkhdf films")
 
 for name in ("22", "41"):
     own = load(f"gmsh-{name}.json")

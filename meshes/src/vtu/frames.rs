@@ -57,6 +57,30 @@ impl Array {
         }
     }
 
+    /// Its name, with its unit.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Values per item.
+    pub(crate) fn components(&self) -> usize {
+        self.components
+    }
+
+    /// Its values as little-endian bytes.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Refuses another number of values than that of these items.
+    ///
+    /// # Errors
+    /// [`MeshError::FieldLength`].
+    pub(crate) fn check(&self, items: usize) -> Result<(), MeshError> {
+        let values = self.bytes.len() / size_of::<f32>();
+        check(&self.name, values, items * self.components)
+    }
+
     /// Appends its XML element to a file.
     fn render(&self, text: &mut Vec<u8>) {
         let (name, components) = (escaped(&self.name), self.components);
@@ -100,10 +124,7 @@ impl Frames {
     /// # Errors
     /// [`MeshError::FieldLength`].
     pub fn render(&self, fields: &[Array], bytes: &mut Vec<u8>) -> Result<(), MeshError> {
-        for field in fields {
-            let values = field.bytes.len() / size_of::<f32>();
-            check(&field.name, values, self.points * field.components)?;
-        }
+        fields.iter().try_for_each(|field| field.check(self.points))?;
         let of_fields: usize = fields.iter().map(|field| field.bytes.len() * 7 / 5 + 512).sum();
         bytes.reserve(self.before.len() + self.after.len() + of_fields);
         bytes.extend_from_slice(self.before.as_bytes());

@@ -41,7 +41,7 @@ fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-fn check(name: &str, found: usize, expected: usize) -> Result<(), MeshError> {
+pub(crate) fn check(name: &str, found: usize, expected: usize) -> Result<(), MeshError> {
     if found == expected {
         return Ok(());
     }

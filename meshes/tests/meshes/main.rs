@@ -13,5 +13,6 @@ mod surface;
 mod tool;
 mod tubes;
 mod uff;
+mod vtkhdf;
 mod vtu;
 mod worktable;
