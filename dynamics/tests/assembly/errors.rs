@@ -6,7 +6,7 @@ use nailnoise_documents::Document;
 use nailnoise_dynamics::network::{AssemblyError, AssemblyText, Resolved};
 
 use crate::common;
-use crate::n80cb_assembly::keys::keys;
+use crate::keys::keys;
 
 /// Reads the N80CB with changes.
 fn changed(changes: &str) -> Result<Resolved, AssemblyError> {

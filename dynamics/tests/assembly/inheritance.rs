@@ -9,7 +9,7 @@ use nailnoise_dynamics::network::{AssemblyText, KeyValue, Resolved};
 use nailnoise_quantities::dimension::VOLUME;
 
 use crate::common;
-use crate::n80cb_assembly::keys::keys;
+use crate::keys::keys;
 
 fn read(documents: &[&str], more: &[(&str, KeyValue)]) -> Resolved {
     let documents: Vec<Document> = documents

@@ -2,13 +2,12 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/n80cb_assembly.rs"]
-mod n80cb_assembly;
 #[path = "../common/random_assembly.rs"]
 mod random_assembly;
 
 mod errors;
 mod inheritance;
+mod keys;
 mod n80cb;
 mod random;
 mod shipped;

@@ -9,7 +9,7 @@ use nailnoise_dynamics::{Geometry, Parameters};
 use nailnoise_penetration::{HeadLaw, RateLaw, ResistanceLaw};
 
 use crate::common;
-use crate::n80cb_assembly::keys::keys;
+use crate::keys::keys;
 
 fn assembly(parameters: &Parameters) -> Assembly {
     let text = AssemblyText::open_design(&[]).unwrap_or_else(|error| panic!("{error}; {}", error.help()));
@@ -172,6 +172,7 @@ fn the_nail_meets_the_wood_of_the_keys() {
     p.wood.rate = RateLaw::Speed;
     p.wood.head_law = HeadLaw::Yields;
     p.wood.penetration_law = ResistanceLaw::Constant;
+    (p.wood.ring_amplitude, p.wood.ring_width, p.wood.ring_seed) = (0.2, 3.5e-3, 7);
     let a = assembly(&p);
     let nail = &a.fasteners[0];
     let FastenerLaw::Wood(law) = &nail.law else {

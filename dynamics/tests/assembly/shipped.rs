@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nailnoise_dynamics::network::{AssemblyText, BUILT_IN, KeyValue, Numerics, Record, simulate};
 
 use crate::common;
-use crate::n80cb_assembly::keys::keys;
+use crate::keys::keys;
 
 #[test]
 fn built_in_assemblies_are_complete_with_their_own_keys_or_those_of_the_base_design() {

@@ -81,6 +81,9 @@ fn wood_law(law: &Fields<'_, '_>, driving_mass: f64) -> Result<WoodLaw, Assembly
         friction_speed: law.or("friction_speed", plain.friction_speed)?,
         head_law: law.choice("head", HeadLaw::WORDS)?.unwrap_or(plain.head_law),
         head_yield_scale: law.or("head_yield_scale", plain.head_yield_scale)?,
+        ring_amplitude: law.or("ring_amplitude", plain.ring_amplitude)?,
+        ring_width: law.or("ring_width", plain.ring_width)?,
+        ring_seed: law.or("ring_seed", f64::from(plain.ring_seed))? as u32,
         ..plain
     };
     Ok(WoodLaw {

@@ -117,6 +117,24 @@ const FASTENER_LAW: TableSpec = TableSpec::of(
             "\"=wood.head_yield_scale\"",
             "factor on the force at which it yields (1)",
         ),
+        quantity(
+            "ring_amplitude",
+            fraction(),
+            "\"=wood.ring_amplitude\"",
+            "rise and fall of the tip's resistance in each growth ring (0)",
+        ),
+        quantity(
+            "ring_width",
+            positive(LENGTH).within(1e-4, 0.1),
+            "\"=wood.ring_width\"",
+            "mean width of a growth ring (4 mm)",
+        ),
+        quantity(
+            "ring_seed",
+            Kind::Count(1_000_000),
+            "\"=wood.ring_seed\"",
+            "number from which the rings are drawn (1)",
+        ),
         field(
             "points",
             List(&Pair(&[Quantity(nonnegative(LENGTH)), Quantity(nonnegative(FORCE))])),
