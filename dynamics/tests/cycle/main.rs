@@ -11,8 +11,11 @@ mod laws;
 mod log;
 #[path = "../common/mass.rs"]
 mod mass;
+#[path = "../common/n80cb_assembly.rs"]
+mod n80cb_assembly;
 mod options;
 mod presets;
+mod record;
 mod reference;
 mod reference_agrees;
 mod regression;
