@@ -16,6 +16,7 @@ mod mass;
 mod n80cb;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;
+mod published;
 mod random;
 #[path = "../common/random_assembly.rs"]
 mod random_assembly;
