@@ -1,5 +1,4 @@
 //! The N80CB as an assembly against the equations of the fixed cycle, for all forms and options.
-#![allow(clippy::unwrap_used)] // a test may panic
 
 use nailnoise_dynamics::network::{Numerics, Record};
 use nailnoise_dynamics::{CycleRecord, Form, Method, Outcome, Parameters, Settings, network, simulate};
