@@ -31,7 +31,7 @@ fn all_same(pairs: &[(&str, f64, f64)]) {
 }
 
 macro_rules! named {
-    ($list:expr, $name:literal) => {
+    ($list:expr, $name:expr) => {
         $list
             .iter()
             .find(|block| block.name == $name)
@@ -178,10 +178,11 @@ fn the_nail_meets_the_wood_of_the_keys() {
     let FastenerLaw::Wood(law) = &nail.law else {
         panic!("{:?}", nail.law)
     };
-    // Properties that the law does not use.
+    // Properties that a constant law does not use.
     let mut expected = p.wood.clone();
     expected.quasi_static.head_stiffness_scale = 1.0;
     expected.quasi_static.unloading_stiffness = 1.0;
+    (expected.quasi_static.speed_term, expected.quasi_static.slenderness_term) = (0.0, 0.0);
     expected.shear_speed = law.wood.shear_speed;
     assert_eq!(law.wood, expected);
     assert_eq!((law.legs, law.table.is_some(), law.fit.is_some()), (2, false, false));
@@ -204,6 +205,32 @@ fn the_nail_meets_the_wood_of_the_keys() {
     for depth in [0.01, 0.5, 0.999, 1.1].map(|part| part * p.nail.length) {
         assert_eq!(own.force(depth), old.force(depth), "{depth}");
     }
+}
+
+#[test]
+fn keys_of_laws_that_are_not_chosen_are_not_used() {
+    let used = |p: &Parameters| {
+        let text = AssemblyText::open_design(&[]).unwrap_or_else(|error| panic!("{error}"));
+        let resolved = text.resolve(&keys(p)).unwrap_or_else(|error| panic!("{error}"));
+        resolved.keys
+    };
+    let mut p = common::n80cb();
+    let others = [
+        "wood.crushing_rate",
+        "wood.head_yield_scale",
+        "model.polytropic",
+        "wood.penetration_force",
+    ];
+    let found = used(&p);
+    assert!(others.iter().all(|key| !found.contains(*key)), "{found:?}");
+    assert!(found.contains("wood.speed_term") && found.contains("wood.rate") && found.contains("model.gas"));
+    p.wood.rate = RateLaw::Speed;
+    p.wood.head_law = HeadLaw::Yields;
+    p.wood.penetration_law = ResistanceLaw::Constant;
+    p.model.gas = nailnoise_dynamics::Form::Published;
+    let found = used(&p);
+    assert!(others.iter().all(|key| found.contains(*key)), "{found:?}");
+    assert!(!found.contains("wood.speed_term"));
 }
 
 #[test]
@@ -269,6 +296,36 @@ fn switches_of_the_model_and_the_release_act() {
     assert!(matches!(assembly(&p).passages[1].restrictions[2].opens, Opens::Constant { area } if area == 120e-6));
     p.model.refill = nailnoise_dynamics::Form::Published;
     assert!(!assembly(&p).passages.iter().any(|passage| passage.name == "refill"));
+}
+
+#[test]
+fn published_forms_are_fields_of_blocks() {
+    let a = assembly(&common::n80cb().published_all());
+    let m = common::n80cb().model;
+    let gas = a.polytropic.unwrap_or_else(|| panic!("no polytropic gas"));
+    assert_eq!((gas.exponent, gas.inflow), (m.polytropic, m.polytropic_inflow));
+    assert!(!a.faces.iter().any(|face| face.name == "valve_inner"));
+    assert!(!named!(a.faces, "valve_outer").sweeps && named!(a.faces, "valve_top").sweeps);
+    assert!(
+        a.contacts
+            .iter()
+            .all(|contact| contact.may_pull || contact.name == "guard")
+    );
+    for name in ["intake", "exhaust", "leak", "vent", "fill"] {
+        assert!(named!(a.passages, name).one_way, "{name}");
+    }
+    assert!(!a.passages.iter().any(|passage| passage.name == "refill"));
+    let out = Some(m.polytropic_outflow);
+    assert_eq!(named!(a.passages, "exhaust").exponents, [out, None]);
+    assert_eq!(named!(a.passages, "intake").exponents, [None, out]);
+    for (name, leaves) in [("vent", false), ("fill", true)] {
+        let gate = named!(a.passages, name).gate.as_ref();
+        let gate = gate.unwrap_or_else(|| panic!("{name} has no gate"));
+        assert_eq!((gate.delays_flow, gate.leaves_undelayed), (true, leaves), "{name}");
+    }
+    assert!(a.fasteners[0].reversible && !a.fasteners[0].impact);
+    let corrected = assembly(&common::n80cb());
+    assert!(corrected.polytropic.is_none() && corrected.faces.iter().all(|face| face.sweeps));
 }
 
 #[test]

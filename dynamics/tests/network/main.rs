@@ -15,6 +15,7 @@ mod laws;
 mod mass;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;
+mod published;
 mod random;
 #[path = "../common/random_assembly.rs"]
 mod random_assembly;

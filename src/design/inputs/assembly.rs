@@ -8,6 +8,7 @@ use nailnoise_dynamics::network::{Assembly, AssemblyText, Numerics, Resolved};
 use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 use nailnoise_quantities::Group as _;
 
+use super::cycle::fitted_law;
 use crate::design::loads_housing;
 use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, refused_assembly};
 use crate::error::Error;
@@ -42,17 +43,18 @@ impl AssembledTool {
             return Ok(None);
         };
         let has_design = matches!(loaded, LoadedAssembly::OfDesign(_));
-        let (text, keys, numerics) = match loaded {
-            LoadedAssembly::Alone(text) => (text, BTreeMap::new(), Numerics::default()),
+        let (text, keys, numerics, fit) = match loaded {
+            LoadedAssembly::Alone(text) => (text, BTreeMap::new(), Numerics::default(), None),
             LoadedAssembly::OfDesign(design) => {
                 let Some(text) = design.assembly().cloned() else {
                     return Ok(None);
                 };
                 let numerics = numerics(&design);
-                (text, design.assembly_keys()?, numerics)
+                (text, design.assembly_keys()?, numerics, fitted_law(&design)?)
             }
         };
-        let resolved = text.resolve(&keys).map_err(refused_assembly)?;
+        let mut resolved = text.resolve(&keys).map_err(refused_assembly)?;
+        resolved.assembly.set_resistance(None, fit.as_ref());
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -74,7 +76,8 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     let Some(text) = design.assembly() else {
         return Ok(None);
     };
-    let resolved = text.resolve(&design.assembly_keys()?).map_err(refused_assembly)?;
+    let mut resolved = text.resolve(&design.assembly_keys()?).map_err(refused_assembly)?;
+    resolved.assembly.set_resistance(None, fitted_law(design)?.as_ref());
     if let Some((key, remedy)) = ignored(design, &resolved) {
         return Err(design.refuse_for_assembly(&key, remedy).into());
     }

@@ -130,31 +130,16 @@ pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Troubl
     })
 }
 
-/// The value that a condition over keys selects; both have the same kind and dimension.
+/// The value that a condition over keys selects; the other one is not evaluated, so that its keys have no effect.
 fn choose(terms: &[Term; 3], scope: &dyn Scope) -> Result<Compiled, Trouble> {
     let [condition, yes, no] = terms;
-    let Compiled::Truth(satisfied) = compile(condition, scope)? else {
-        return Err(Trouble::here(
+    match compile(condition, scope)? {
+        Compiled::Truth(satisfied) => compile(if satisfied { yes } else { no }, scope),
+        _ => Err(Trouble::here(
             "`if` takes a condition over keys first",
             "write if(hand.mass > 0, a, b)",
-        ));
-    };
-    let (yes, no) = (compile(yes, scope)?, compile(no, scope)?);
-    let mut dimension = None;
-    match (&yes, &no) {
-        (Compiled::Scalar(yes), Compiled::Scalar(no)) => dimension = common("it chooses between", yes, no)?,
-        (Compiled::Word(_), Compiled::Word(_)) | (Compiled::Truth(_), Compiled::Truth(_)) => {}
-        _ => {
-            return Err(Trouble::here(
-                "`if` chooses between values of different kinds",
-                "give two numbers or two words",
-            ));
-        }
+        )),
     }
-    Ok(match if satisfied { yes } else { no } {
-        Compiled::Scalar(scalar) => Compiled::Scalar(Scalar { dimension, ..scalar }),
-        other => other,
-    })
 }
 
 fn scalar(term: &Term, scope: &dyn Scope) -> Result<Scalar, Trouble> {
