@@ -56,8 +56,8 @@ impl PorousLayer {
         })
     }
 
-    /// Frequency above which the fit of the material is extrapolated \[Hz\]: f/sigma = 1 m³/kg. There, the formulas tend
-    /// to those of air.
+    /// Frequency above which the fit of the material is extrapolated \[Hz\]: f/sigma = 1 m³/kg. There, the formulas
+    /// tend to those of air.
     pub fn fitted_to_hz(&self) -> f64 {
         self.resistivity
     }

@@ -5,6 +5,7 @@ pub(crate) mod around;
 pub(crate) mod compressed;
 pub(crate) mod cost;
 pub(crate) mod cover;
+mod covered;
 pub(crate) mod far_field;
 pub(crate) mod field;
 pub(crate) mod impedance;
