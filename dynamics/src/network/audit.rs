@@ -7,7 +7,8 @@ use super::mode::{Mode, friction, head};
 use super::plan::{FastenerPlan, Plan};
 use super::rates::Workspace;
 
-/// Largest residual of the energy of gas and bodies \[J\], and as a fraction of the energy exchanged during the run \[-\].
+/// Largest residual of the energy of gas and bodies \[J\], and as a fraction of the energy exchanged during the run
+/// \[-\].
 const SHOT: f64 = 1e-3;
 const PART: f64 = 1e-6;
 /// Name of the work of gravity in the ledger.

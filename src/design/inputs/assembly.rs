@@ -81,10 +81,8 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     if let Some((key, remedy)) = ignored(design, &resolved) {
         return Err(design.refuse_for_assembly(&key, remedy).into());
     }
-    let mut assembly = resolved.assembly;
-    assembly.set_resistance(None, super::cycle::fitted_law(design)?.as_ref());
     Ok(Some(AssembledCycle {
-        assembly,
+        assembly: resolved.assembly,
         numerics: numerics(design),
     }))
 }
