@@ -38,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             tolerance: design.acoustics.bem_tolerance,
         },
         floor: None,
+        cover: None,
     };
     println!("    Hz  panels  unknowns  modes  set up  matrix       CPU s  peak GB");
     for hz in frequencies {
