@@ -71,7 +71,7 @@ fn the_document_has_the_units_that_are_asked_for() {
     }
     // The position of the ear has one unit.
     assert!(
-        document.contains("ear at x = 17.7, y = 0.00, z = 29.5 in"),
+        document.contains("ear at x = 0.00, y = 17.7, z = 33.5 in"),
         "{document}"
     );
 }
