@@ -3,27 +3,28 @@
 //! A step may extend beyond an event, because the right-hand side of a mode is smooth everywhere. The event is then
 //! located on the solver's interpolant, the state is evaluated there, and the next segment starts in the new mode.
 
+mod state;
+mod trajectory;
+
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::ode_solver::state::StateCommon;
 use diffsol::{
     NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
 };
 
-use super::assembly::{Action, Family, Word};
 use super::audit::Audit;
 use super::drive::Drive;
 use super::equations::Equations;
 use super::error::RunError;
 use super::events::Events;
 use super::linear::LedgerLu;
-use super::locate::locate;
 use super::mode::Mode;
 use super::numerics::Numerics;
 use super::plan::Plan;
 use super::probe::Need;
 use super::rates::Workspace;
 use super::record::{Effort, EventTime, LedgerEntry, LogEntry, Parts, Peak, Record, Strike};
-use super::record::{logged_state, peaked, restriction_name, state_columns};
+use super::record::{peaked, state_columns};
 use super::recorder::Recorder;
 use super::signals::Signals;
 use super::switching::Slots;
@@ -33,15 +34,8 @@ use crate::{Method, WoodMotion};
 
 /// Number of points per step, including its end, at which conditions are checked.
 const POINTS: usize = 2;
-/// Number of changes of one block within [`CHATTER_WINDOW`] that counts as chatter; a contact at 200 kHz makes 400.
-const CHATTER_CHANGES: usize = 2000;
-const CHATTER_WINDOW: f64 = 1e-3;
 /// Number of steps per second of the record after which a run is abandoned, but at least half a million.
 const STEP_LIMIT: usize = 500_000;
-/// Fraction of the dead volume below which a volume counts as vanished.
-const VANISHED: f64 = 1e-3;
-/// Compression beyond its law, as a fraction of it, that a spring may have due to the overlap of its stops.
-const SPRING_SLACK: f64 = 1e-9;
 
 pub(crate) type Problem<'p> = OdeSolverProblem<Equations<'p>>;
 
@@ -90,28 +84,6 @@ pub(crate) struct Run<'p> {
     need: Need,
     /// Whether the workspace contains the instant at the end of the step.
     fresh: bool,
-}
-
-/// A step up to the first condition that becomes false.
-struct Stretch {
-    used: usize,
-    /// Slot of the event that ends it.
-    event: Option<usize>,
-}
-
-/// Whether all values exceed their limits; without an early exit, which would prevent vector instructions.
-fn exceed(values: &[f64], limits: &[f64]) -> bool {
-    values
-        .iter()
-        .zip(limits)
-        .fold(true, |all, (value, limit)| all & (value > limit))
-}
-
-/// Whether heights are on the same sides of their levels.
-fn have_equal_signs(a: &[f64], b: &[f64]) -> bool {
-    a.iter()
-        .zip(b)
-        .fold(true, |all, (a, b)| all & ((*a > 0.0) == (*b > 0.0)))
 }
 
 /// Integrates a compiled assembly.
@@ -279,42 +251,6 @@ impl<'p> Run<'p> {
         }
     }
 
-    /// Logs a word at the current state and passes it to triggers and events.
-    fn announce_now(&mut self, word: Word) {
-        self.plan.instant(&self.y, &self.mode, &mut self.w);
-        let state = logged_state(self.plan, &self.w);
-        self.announce(word, self.t, state);
-    }
-
-    /// Logs a word at a given time and state and passes it to triggers and events.
-    fn announce(&mut self, word: Word, time: f64, state: Vec<f64>) {
-        let plan = self.plan;
-        if self.recording {
-            self.note(word, time, state.clone());
-        }
-        for word in self.signals.pass(plan, time, &mut self.mode, word) {
-            if self.recording {
-                self.note(word, time, state.clone());
-            }
-        }
-    }
-
-    /// Logs a word and passes it to the events.
-    fn note(&mut self, word: Word, time: f64, state: Vec<f64>) {
-        let plan = self.plan;
-        let place = self.log.partition_point(|entry| entry.time <= time);
-        plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
-        let entry = LogEntry {
-            state,
-            time,
-            block: plan.assembly.name_of(word.block).to_owned(),
-            restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
-            word: word.action.word(),
-        };
-        self.log.insert(place, entry);
-        self.events.hear(word, time, plan, &self.mode, &self.w);
-    }
-
     /// Step size for a first-order start, from its error h^2 |y''|/3.
     fn first_step(&self, problem: &Problem<'p>, second: &[f64]) -> f64 {
         let atol = problem.atol.batch_as_slice(0);
@@ -438,324 +374,6 @@ impl<'p> Run<'p> {
                 solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
             }
         }
-    }
-
-    /// The step from `from` to `to`, up to the first condition that becomes false, stored in `points`.
-    fn stretch(
-        &mut self,
-        from: f64,
-        to: f64,
-        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
-    ) -> Result<Stretch, RunError> {
-        let (plan, slots, mode) = (self.plan, self.slots, &self.mode);
-        for (k, (time, y)) in self.points.iter_mut().enumerate() {
-            *time = if k + 1 == POINTS {
-                to
-            } else {
-                from + (to - from) * (k + 1) as f64 / POINTS as f64
-            };
-            at(*time, y)?;
-        }
-        let mut left = from;
-        let mut found: Option<(f64, usize)> = None;
-        for k in 0..POINTS {
-            let t = self.points[k].0;
-            plan.observe(self.need, t, &self.points[k].1, mode, &mut self.w);
-            self.fresh = true;
-            slots.margins(plan, mode, &self.w, &mut self.right);
-            self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
-            self.watch.measure(t, plan, mode, &self.w, &mut self.watched[k]);
-            if exceed(&self.right, &slots.event_tolerances) {
-                self.armed.fill(true);
-                left = t;
-                std::mem::swap(&mut self.margin, &mut self.right);
-                continue;
-            }
-            for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
-                if *after > slots.event_tolerances[slot] {
-                    self.armed[slot] = true;
-                } else if *after <= 0.0 && (self.armed[slot] || *before <= 0.0) {
-                    let time = if *before > 0.0 {
-                        let w = &mut self.w;
-                        let scratch = &mut self.y;
-                        let margin = |t: f64| {
-                            at(t, scratch)?;
-                            plan.observe(slots.need, t, scratch, mode, w);
-                            Ok(slots.list[slot].margin(plan, mode, w))
-                        };
-                        locate(left, t, *before, *after, margin)?
-                    } else {
-                        left
-                    };
-                    if found.is_none_or(|(earliest, _)| time < earliest) {
-                        found = Some((time, slot));
-                    }
-                }
-            }
-            left = t;
-            std::mem::swap(&mut self.margin, &mut self.right);
-            if let Some((time, slot)) = found {
-                self.points[k].0 = time;
-                at(time, &mut self.points[k].1)?;
-                plan.observe(self.need, time, &self.points[k].1, mode, &mut self.w);
-                self.fresh = true;
-                self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
-                self.watch.measure(time, plan, mode, &self.w, &mut self.watched[k]);
-                return Ok(Stretch {
-                    used: k + 1,
-                    event: Some(slot),
-                });
-            }
-        }
-        Ok(Stretch {
-            used: POINTS,
-            event: None,
-        })
-    }
-
-    /// Records where the trajectory from `from` through the points crosses the levels of events.
-    fn note_levels(
-        &mut self,
-        from: f64,
-        used: usize,
-        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
-    ) -> Result<(), RunError> {
-        let (plan, mode, need) = (self.plan, &self.mode, self.events.need);
-        let admission = need.max(self.events.at_edges());
-        let mut left = from;
-        for k in 0..used {
-            let t = self.points[k].0;
-            let heights = &self.heights[k];
-            if have_equal_signs(self.events.last(), heights) {
-                self.events.settle(heights);
-                left = t;
-                continue;
-            }
-            let mut passed: Vec<(f64, usize)> = Vec::new();
-            for (level, (before, after)) in self.events.last().iter().zip(heights).enumerate() {
-                let (before, after) = (*before, *after);
-                if (before > 0.0) == (after > 0.0) {
-                    continue;
-                }
-                let (events, w, y) = (&self.events, &mut self.w, &mut self.y);
-                let height = |t: f64| {
-                    at(t, y)?;
-                    plan.observe(need, t, y, mode, w);
-                    Ok(events.height(level, plan, mode, w))
-                };
-                passed.push((locate(left, t, before, after, height)?, level));
-            }
-            passed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            self.fresh &= passed.is_empty();
-            for (time, level) in passed {
-                at(time, &mut self.y)?;
-                plan.observe(admission, time, &self.y, mode, &mut self.w);
-                self.events.pass(level, time, heights[level], plan, mode, &self.w);
-            }
-            self.events.settle(heights);
-            left = t;
-        }
-        Ok(())
-    }
-
-    /// Logs changes that do not affect the mode, between `from` and the last point.
-    fn note_changes(
-        &mut self,
-        from: f64,
-        used: usize,
-        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
-    ) -> Result<(), RunError> {
-        let plan = self.plan;
-        let mut left = from;
-        for k in 0..used {
-            let t = self.points[k].0;
-            if have_equal_signs(&self.watch.last, &self.watched[k]) {
-                self.watch.settle(&self.watched[k]);
-                left = t;
-                continue;
-            }
-            for i in 0..self.watch.len() {
-                let (before, after) = (self.watch.last[i], self.watched[k][i]);
-                if (before > 0.0) == (after > 0.0) {
-                    continue;
-                }
-                self.fresh = false;
-                let (watch, mode, w, y) = (&self.watch, &self.mode, &mut self.w, &mut self.y);
-                let height = |t: f64| {
-                    at(t, y)?;
-                    plan.instant(y, mode, w);
-                    Ok(watch.height(i, t, plan, mode, w))
-                };
-                let time = locate(left, t, before, after, height)?;
-                at(time, &mut self.y)?;
-                plan.instant(&self.y, &self.mode, &mut self.w);
-                let here = (time, logged_state(plan, &self.w));
-                for note in self.watch.pass(i, here, after > 0.0, plan, &self.mode) {
-                    self.announce(note.word, note.time, note.state);
-                }
-            }
-            self.watch.settle(&self.watched[k]);
-            left = t;
-        }
-        Ok(())
-    }
-
-    /// Updates what depends on an accepted state: balances, peaks, limits of the model, the end of the record.
-    fn accept(&mut self) -> Result<(), RunError> {
-        if !self.fresh {
-            self.plan.instant(&self.y, &self.mode, &mut self.w);
-        }
-        self.remember();
-        self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
-        self.guard()?;
-        self.plan.contact_forces(&self.mode, &mut self.w);
-        self.follow_peaks();
-        self.schedule();
-        Ok(())
-    }
-
-    fn follow_peaks(&mut self) {
-        let contacts = self.w.contact.iter().map(|contact| contact.force);
-        let forces = contacts.chain(self.w.fastener.iter().map(|fastener| fastener[0]));
-        for (peak, force) in self.peaks.iter_mut().zip(forces) {
-            peak.force = peak.force.max(force);
-        }
-    }
-
-    /// Ends the run where the model becomes invalid.
-    fn guard(&self) -> Result<(), RunError> {
-        let plan = self.plan;
-        for (i, volume) in plan.volumes.iter().enumerate() {
-            let (size, mass) = (self.w.volume[i], self.w.mass[i]);
-            // A polytropic law does not relate the gas to its mass.
-            let massless = mass <= 0.0 && plan.temperature.is_none();
-            if size > VANISHED * volume.dead && !massless && self.y[plan.energy() + i] > 0.0 {
-                continue;
-            }
-            let face = plan.faces.iter().find(|face| face.volume == Some(i));
-            let body = face.map_or_else(
-                || "no body".to_owned(),
-                |face| {
-                    let name = &plan.assembly.bodies[face.pair.on].name;
-                    format!("\"{name}\" at {:.3} mm", 1e3 * self.w.travel(face.pair))
-                },
-            );
-            return Err(RunError::Collapse {
-                volume: plan.assembly.volumes[i].name.clone(),
-                body,
-                size,
-                mass,
-                time: self.t,
-            });
-        }
-        for (i, spring) in plan.springs.iter().enumerate() {
-            let Some(limit) = spring.limit else { continue };
-            let compression = spring.compression(self.w.travel(spring.pair));
-            let stops = plan.contacts.iter().filter(|c| c.pair == spring.pair);
-            let overlap = |c: &super::plan::ContactPlan| c.overlap(self.w.travel(c.pair), 0.0).0.max(0.0);
-            if compression - stops.map(overlap).fold(0.0, f64::max) > limit * (1.0 + SPRING_SLACK) {
-                return Err(RunError::SpringLimit {
-                    spring: plan.assembly.springs[i].name.clone(),
-                    compression,
-                    limit,
-                    place: format!("at {:.3} ms", 1e3 * self.t),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// Sets the end of the record from the events so far.
-    fn schedule(&mut self) {
-        let plan = self.plan;
-        let Some(finish) = &plan.assembly.finish else { return };
-        if self.events.take_changed() {
-            if let Some(last) = finish.never_past
-                && let Some(time) = self.events.time_of(plan, last, self.t)
-            {
-                self.end = self.end.min(time);
-                self.cut = true;
-            }
-            let after = plan.assembly.events.get(finish.event).and_then(|event| event.after);
-            self.finish_after = match after {
-                Some(after) => self.events.time_of(plan, after, self.t),
-                None => Some(0.0),
-            };
-        }
-        if self.finish_after.is_some()
-            && let Some(time) = self.events.time_of(plan, finish.event, self.t)
-        {
-            self.end = self.end.min((time + finish.tail).max(self.t));
-        }
-    }
-
-    /// Applies the event of a slot at the current time.
-    fn cross(&mut self, slot: usize) -> Result<(), RunError> {
-        let plan = self.plan;
-        let described = &self.slots.list[slot];
-        let (window, count) = &mut self.chatter[slot];
-        if self.t - *window > CHATTER_WINDOW {
-            (*window, *count) = (self.t, 0);
-        }
-        *count += 1;
-        if *count > CHATTER_CHANGES {
-            return Err(RunError::Chatter {
-                block: described.name(plan).to_owned(),
-                count: *count,
-                window: CHATTER_WINDOW,
-                time: self.t,
-            });
-        }
-        let before = (self.mode.clone(), self.y.clone());
-        plan.instant(&self.y, &self.mode, &mut self.w);
-        let word = described.cross(plan, &mut self.mode, &mut self.y, &self.w);
-        if self.recording {
-            self.audit.cross(
-                plan,
-                described.name(plan),
-                (&before.0, &before.1),
-                (&self.mode, &self.y),
-                &mut self.w,
-            );
-            self.work.events += 1;
-        }
-        if let Some(word) = word {
-            if word.action == Action::Struck {
-                self.check_fit(word.block.index)?;
-            }
-            if self.recording && word.action == Action::Struck && word.block.family == Family::Fastener {
-                let driver = 2 * plan.fasteners[word.block.index].stroke.on + 1;
-                self.strikes.push(Strike {
-                    fastener: plan.assembly.fasteners[word.block.index].name.clone(),
-                    time: self.t,
-                    before: before.1[driver],
-                    after: self.y[driver],
-                });
-            }
-            self.announce_now(word);
-        }
-        plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
-        self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
-        for (other, armed) in self.armed.iter_mut().enumerate() {
-            *armed = self.right[other] > self.slots.event_tolerances[other] || (other != slot && *armed);
-        }
-        Ok(())
-    }
-
-    /// Rejects an impact speed outside the data of a fitted law.
-    fn check_fit(&self, fastener: usize) -> Result<(), RunError> {
-        let plan = &self.plan.fasteners[fastener];
-        let Some(law) = plan.law.fitted() else { return Ok(()) };
-        let ([lowest, highest], speed) = (law.impacts(), self.mode.memory[plan.impact_speed]);
-        if (lowest..=highest).contains(&speed) {
-            return Ok(());
-        }
-        Err(RunError::BeyondFit {
-            fastener: self.plan.assembly.fasteners[fastener].name.clone(),
-            speed,
-            lowest,
-            highest,
-        })
     }
 
     /// Ends the record.
