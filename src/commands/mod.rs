@@ -67,7 +67,6 @@ use crate::cost::MemoryLimit;
 use crate::design::{Assignment, Design, OutsideValue, Warning};
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::Progress;
 use crate::store::{Store, StoreError};
 use crate::units::Units;
 use crate::wording::visible;
@@ -152,11 +151,6 @@ struct Shown {
 }
 
 impl Shown {
-    /// Progress on standard error with remarks in these units.
-    fn progress(self) -> Progress {
-        progress::progress_in(self.units)
-    }
-
     /// Writes text to standard output in these units.
     fn print(self, text: &str) -> Result<(), Error> {
         print(&self.units.text(text))

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use super::message;
 use super::stage_words::in_words;
+use super::{Shown, message};
 use crate::stages::{Observer, Progress, Task};
 use crate::units::Units;
 
@@ -40,8 +40,15 @@ pub(crate) fn progress() -> Progress {
     progress_in(Units::Si)
 }
 
+impl Shown {
+    /// Progress on standard error with remarks in these units.
+    pub(super) fn progress(self) -> Progress {
+        progress_in(self.units)
+    }
+}
+
 /// The same with remarks in these units.
-pub(super) fn progress_in(units: Units) -> Progress {
+fn progress_in(units: Units) -> Progress {
     let quiet = QUIET.load(Ordering::Relaxed);
     let lines = MultiProgress::new();
     let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {

@@ -172,6 +172,7 @@ impl Definitions {
     /// A quantity: a formula, a text with a unit, a plain number where it has no unit, or a table with its range.
     fn quantity(&mut self, kind: Kind) -> Value {
         let name = match kind {
+            Kind::Count(_) => "plain number",
             Kind::Quantity { dimension, .. } if dimension == NUMBER => "plain number",
             _ => "quantity",
         };

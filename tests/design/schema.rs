@@ -123,6 +123,11 @@ fn violation(root: &Value, schema: &Value, value: &Value, path: &str) -> Option<
                 true => None,
                 false => wrong("is too large"),
             },
+            // The one pattern that decides between a word and a formula.
+            "pattern" if expected == "^\\s*=" => {
+                let is_formula = value.as_str().is_none_or(|text| text.trim_start().starts_with('='));
+                (!is_formula).then(|| format!("{path}: is no formula: {value}"))
+            }
             "then" | "else" | "pattern" | "description" | "title" | "$schema" | "$defs" => None,
             other => panic!("keyword {other} in {path}"),
         };
