@@ -65,7 +65,8 @@ pub(crate) fn study_of(
         let mut result = result.with_surrogates(&design, &made);
         result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
         let charts = drawn(&figures::study(&result));
-        Ok((result, study::csv(&made)?, charts))
+        let [table, _] = study::draw_files(&made)?;
+        Ok((result, table, charts))
     })?;
     Ok((json_of(&result)?, String::from_utf8_lossy(&table).into_owned(), charts))
 }
