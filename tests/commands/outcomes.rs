@@ -129,7 +129,10 @@ fn the_terminal_begins_and_ends_with_the_miss_and_the_page_shows_it_before_the_l
             .any(|line| line.contains("all ") && line.contains("checks ok")),
         "{text}"
     );
-    let end = text.find("numerical checks ok").unwrap();
+    let end = text
+        .find("numerical checks ok")
+        .or_else(|| text.find("checks FAILED: exhaust"))
+        .unwrap();
     assert!(
         text[..end]
             .trim_end()
