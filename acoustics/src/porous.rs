@@ -31,7 +31,7 @@ pub struct PorousLayer {
 pub struct LayerTransfer {
     /// T: velocity of the outer face without pressure, relative to that of the wall.
     pub velocity: Complex<f64>,
-    /// Y: velocity with which the outer face yields to pressure on a wall at rest \[m/(s Pa)\].
+    /// Y: admittance of the outer face, its inward velocity over the pressure with the wall at rest \[m/(s Pa)\].
     pub admittance: Complex<f64>,
 }
 

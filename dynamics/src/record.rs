@@ -4,6 +4,7 @@ use nailnoise_quantities::Check;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::network::Effort;
 use crate::{EnergyFlow, LogEntry};
 
 /// One nailing cycle.
@@ -53,7 +54,7 @@ pub struct CycleRecord {
     /// Checks of the run, each with its limit.
     pub checks: Vec<Check>,
     /// Work of the integrator.
-    pub work: Work,
+    pub work: Effort,
 }
 
 impl CycleRecord {
@@ -337,25 +338,4 @@ pub struct Summary {
     pub cap_contacts: usize,
     /// Number of contacts of the head valve with its seat after leaving it.
     pub seat_contacts: usize,
-}
-
-/// Work counters of the integrator, reproducible from run to run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct Work {
-    /// Accepted steps.
-    pub steps: usize,
-    /// Steps rejected by the error test.
-    pub rejected: usize,
-    /// Newton failures.
-    pub newton_failures: usize,
-    /// Newton iterations.
-    pub newton_iterations: usize,
-    /// Evaluations of the right-hand side.
-    pub evaluations: usize,
-    /// Jacobians.
-    pub jacobians: usize,
-    /// Factorisations.
-    pub factorisations: usize,
-    /// Restarts at events.
-    pub events: usize,
 }

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
+use nailnoise_dynamics::network::Effort;
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, simulate};
 use serde::Serialize;
 
 use super::assembly::Asked;
@@ -91,7 +92,7 @@ struct CycleResult<'a> {
     penetration_table: Option<String>,
     #[serde(flatten)]
     cycle: CycleFigures<'a>,
-    work: &'a Work,
+    work: &'a Effort,
     /// Files of the charts requested.
     figures: Vec<String>,
 }

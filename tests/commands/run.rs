@@ -292,9 +292,9 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(
         entries(),
         21,
-        "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, motion in bands, two \
-         sources, sensors, checks, pictures and fields \
-         of the bodies, checksums of their files, files of the run"
+        "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, motion \
+         in bands, two sources, sensors, checks, pictures and fields of the bodies, checksums of their files, files of \
+         the run"
     );
     assert_eq!(run(&[]).0, anew);
     for entry in std::fs::read_dir(&cache).unwrap() {

@@ -50,19 +50,19 @@ pub fn simulate_on<W: Workpiece<Error: From<CycleError>>>(
     let body = nailer.body(WORKPIECE)?;
     let found = network::simulate_on(&nailer.assembly, &nailer.numerics, body, &mut Adapter(wood));
     let (record, work) = found.map_err(|error| match error {
-        Either::Run(error) => nailer.error(error).into(),
-        Either::Wood(error) => error,
+        CoupledError::Run(error) => nailer.error(error).into(),
+        CoupledError::Workpiece(error) => error,
     })?;
     Ok((record::view(parameters, record)?, work))
 }
 
 /// An error of the run or of the structure.
-enum Either<E> {
+enum CoupledError<E> {
     Run(RunError),
-    Wood(E),
+    Workpiece(E),
 }
 
-impl<E> From<RunError> for Either<E> {
+impl<E> From<RunError> for CoupledError<E> {
     fn from(error: RunError) -> Self {
         Self::Run(error)
     }
@@ -72,10 +72,10 @@ impl<E> From<RunError> for Either<E> {
 struct Adapter<'w, W>(&'w mut W);
 
 impl<W: Workpiece> Workpiece for Adapter<'_, W> {
-    type Error = Either<W::Error>;
+    type Error = CoupledError<W::Error>;
 
     fn start(&mut self, seat: f64) -> Result<WoodMotion, Self::Error> {
-        self.0.start(seat).map_err(Either::Wood)
+        self.0.start(seat).map_err(CoupledError::Workpiece)
     }
 
     fn compliance(&self, depth: f64) -> Compliance {
@@ -83,10 +83,10 @@ impl<W: Workpiece> Workpiece for Adapter<'_, W> {
     }
 
     fn trial(&mut self, forces: &WoodForces) -> Result<WoodMotion, Self::Error> {
-        self.0.trial(forces).map_err(Either::Wood)
+        self.0.trial(forces).map_err(CoupledError::Workpiece)
     }
 
     fn accept(&mut self, forces: &WoodForces) -> Result<WoodMotion, Self::Error> {
-        self.0.accept(forces).map_err(Either::Wood)
+        self.0.accept(forces).map_err(CoupledError::Workpiece)
     }
 }

@@ -7,7 +7,7 @@ use super::summary::{events, outcome, summary};
 use crate::network::{FlowHistory, Record};
 use crate::{
     Body, ContactEnergy, CycleError, CycleRecord, EnergyFlow, ExhaustFlow, Forces, Form, Geometry, Motion, Parameters,
-    Summary, VentFlow, Volume, Work,
+    Summary, VentFlow, Volume,
 };
 
 /// Histories of the assembly by name, each of which is moved out once; those of blocks that a design switches off are
@@ -87,7 +87,6 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
     let bodies = ["piston", "head_valve", "tool", "workpiece"];
     let [piston, head_valve, tool, workpiece] = bodies.map(|name| of.body(name));
     let record = of.record;
-    let effort = record.work;
     let mut view = CycleRecord {
         sample_interval: record.interval.unwrap_or_default(),
         piston,
@@ -109,16 +108,7 @@ pub(super) fn view(p: &Parameters, record: Record) -> Result<CycleRecord, CycleE
         summary: Summary::default(),
         energy,
         checks: checks(&record),
-        work: Work {
-            steps: effort.steps,
-            rejected: effort.rejected,
-            newton_failures: effort.newton_failures,
-            newton_iterations: effort.newton_iterations,
-            evaluations: effort.evaluations,
-            jacobians: effort.jacobians,
-            factorisations: effort.factorisations,
-            events: effort.events,
-        },
+        work: record.work,
     };
     view.summary = summary(p, &record, &view);
     if p.model.nail == Form::Corrected {

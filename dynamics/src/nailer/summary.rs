@@ -99,7 +99,7 @@ pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Su
     }
 }
 
-/// Fraction of a window in which a sampled height is positive; it is linear between samples.
+/// Fraction of a window during which a sampled height is positive, with linear interpolation between samples.
 fn part_above([from, to]: [f64; 2], interval: f64, samples: usize, height: &dyn Fn(usize) -> f64) -> f64 {
     let first = (from / interval).floor() as usize;
     let last = ((to / interval).ceil() as usize).min(samples.saturating_sub(1));

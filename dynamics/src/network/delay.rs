@@ -3,7 +3,7 @@
 use super::gas::{Air, Gas};
 use super::kernels::{Ends, Flow};
 use super::mode::Mode;
-use super::past::{Node, read};
+use super::past_flows::{Node, interpolated};
 use super::plan::{PassagePlan, Plan};
 use super::rates::Workspace;
 use nailnoise_penetration::{Dual, Real};
@@ -29,7 +29,7 @@ impl Plan {
                 .past
                 .borrow()
                 .get(index)
-                .map_or([0.0; 2], |nodes| read(nodes, t - delay));
+                .map_or([0.0; 2], |nodes| interpolated(nodes, t - delay));
             // An interpolated flow of a passage in one direction may be slightly negative.
             if !(passage.one_way && mass < 0.0) {
                 (flow.mass, flow.enthalpy) = (mass, enthalpy);

@@ -30,82 +30,48 @@ pub(crate) struct Element {
 impl Plan {
     /// Passes the forces of all blocks between two bodies to `visit`, with their derivatives.
     pub(crate) fn pair_elements(&self, mode: &Mode, w: &Workspace, visit: &mut impl FnMut(&Element)) {
+        let mut add = |pair, force, power| visit(&Element { pair, force, power });
         for contact in self.contacts.iter().filter(|c| mode.is_on(c.switch)) {
             let [x, v] = seeded(w.travel(contact.pair), w.speed(contact.pair));
             let (u, rate) = contact.overlap(x, v);
             let push = contact.push(u, rate);
             let power = contact.loss.map(|row| (row, push.dashpot * rate));
-            let force = push.force * -contact.side;
-            visit(&Element {
-                pair: contact.pair,
-                force,
-                power,
-            });
+            add(contact.pair, push.force * -contact.side, power);
         }
         for spring in self.springs.iter().filter(|spring| !spring.carries) {
             if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
                 let [x, v] = seeded(w.travel(spring.pair), w.speed(spring.pair));
                 let found = spring.force(x, v);
                 let power = spring.loss.map(|row| (row, -found.dashpot * v));
-                let force = found.force;
-                visit(&Element {
-                    pair: spring.pair,
-                    force,
-                    power,
-                });
+                add(spring.pair, found.force, power);
             }
         }
         for friction in &self.frictions {
             let [x, v] = seeded(w.travel(friction.pair), w.speed(friction.pair));
             let found = friction.force(mode, x, v);
-            let power = Some((friction.loss, found.dashpot * v));
-            let (force, pair) = (found.force, friction.pair);
-            visit(&Element {
-                pair,
-                force: -force,
-                power,
-            });
+            add(friction.pair, -found.force, Some((friction.loss, found.dashpot * v)));
         }
         for motor in self.motors.iter().filter(|m| mode.is_on(m.switch)) {
             let [_, v] = seeded(0.0, w.speed(motor.pair));
             let force = motor.force(v);
-            let power = Some((motor.work, force * v));
-            let pair = motor.pair;
-            visit(&Element { pair, force, power });
+            add(motor.pair, force, Some((motor.work, force * v)));
         }
         for hold in self.holds.iter().filter(|h| mode.is_on(h.switch)) {
             let [x, v] = seeded(w.travel(hold.pair), w.speed(hold.pair));
             let found = hold.force(mode.memory[hold.place], x, v);
             let power = hold.loss.map(|row| (row, -found.dashpot * v));
-            let force = found.force;
-            visit(&Element {
-                pair: hold.pair,
-                force,
-                power,
-            });
+            add(hold.pair, found.force, power);
         }
         for fastener in &self.fasteners {
             let [x, v] = seeded(w.travel(fastener.work), w.speed(fastener.work));
             let force = fastener.force(mode, x - fastener.tip_at, v);
-            let power = Some((fastener.penetration, force * v));
-            let pair = fastener.work;
-            visit(&Element {
-                pair,
-                force: -force,
-                power,
-            });
+            add(fastener.work, -force, Some((fastener.penetration, force * v)));
             if let Some(row) = fastener.guide_loss
                 && mode.switches[fastener.head] == head::ATTACHED
             {
                 let [_, v] = seeded(0.0, w.speed(fastener.guide));
                 let force = fastener.guide(v);
-                let power = Some((row, force * v));
-                let pair = fastener.guide;
-                visit(&Element {
-                    pair,
-                    force: -force,
-                    power,
-                });
+                add(fastener.guide, -force, Some((row, force * v)));
             }
         }
     }

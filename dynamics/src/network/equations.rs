@@ -10,7 +10,7 @@ use diffsol::{
 
 use super::jacobian::Jacobian;
 use super::mode::Mode;
-use super::past::Past;
+use super::past_flows::PastFlows;
 use super::plan::Plan;
 use super::rates::Workspace;
 
@@ -41,7 +41,7 @@ struct Inside {
 
 impl<'p> Equations<'p> {
     /// The equations in a mode; the past flows are those of the run.
-    pub(crate) fn new(plan: &'p Plan, mode: Mode, past: Past) -> Self {
+    pub(crate) fn new(plan: &'p Plan, mode: Mode, past: PastFlows) -> Self {
         let mut workspace = Workspace::new(plan);
         workspace.past = past;
         Self {

@@ -170,7 +170,7 @@ impl Events {
     }
 
     /// Processes a word logged by a block; the workspace contains the state.
-    pub(crate) fn hear(&mut self, word: Word, time: f64, plan: &Plan, mode: &Mode, w: &Workspace) {
+    pub(crate) fn record_word(&mut self, word: Word, time: f64, plan: &Plan, mode: &Mode, w: &Workspace) {
         for (event, trace) in plan.assembly.events.iter().zip(&mut self.traces) {
             if event.edge == Edge::Logged(word) {
                 let admitted = trace.admits.iter().all(|l| l.is_satisfied(l.height(plan, mode, w)));

@@ -40,6 +40,18 @@ pub(crate) struct Flow<S> {
     pub(crate) between: [S; 2],
 }
 
+impl<S: Real> Flow<S> {
+    /// No flow towards a space with this pressure.
+    #[inline]
+    pub(crate) fn none(pressure: S) -> Self {
+        Self {
+            mass: S::constant(0.0),
+            enthalpy: S::constant(0.0),
+            between: [pressure; 2],
+        }
+    }
+}
+
 /// Variables on which a passage's flow depends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ends<S> {
@@ -347,11 +359,7 @@ impl PassagePlan {
     /// No flow.
     #[inline]
     pub(crate) fn still<S: Real>(&self, ends: &Ends<S>) -> Flow<S> {
-        Flow {
-            mass: S::constant(0.0),
-            enthalpy: S::constant(0.0),
-            between: [ends.to.pressure; 2],
-        }
+        Flow::none(ends.to.pressure)
     }
 
     /// Mass and energy that leave the first space, and those that reach the second.

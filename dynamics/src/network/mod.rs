@@ -7,7 +7,7 @@
 //! |---|---|
 //! | description | `assembly`, `text` (its reader) |
 //! | compilation | `plan`, `probe` (channels and expressions), `start` |
-//! | physics | `kernels`, `delay` and `past` (of flows), `rates` (right-hand side), `elements`, `jacobian` |
+//! | physics | `kernels`, `delay` and `past_flows` (of flows), `rates` (right-hand side), `elements`, `jacobian` |
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
 //! | integration | `numerics`, `integrate`, `equations`, `linear`, `tolerances` |
 //! | two-way coupling | `drive` and `wood` (a body whose motion is prescribed), `coupled` |
@@ -30,7 +30,7 @@ mod linear;
 mod locate;
 pub(crate) mod mode;
 mod numerics;
-mod past;
+mod past_flows;
 pub(crate) mod plan;
 mod probe;
 pub(crate) mod rates;

@@ -8,7 +8,7 @@ use super::drive::Carrier;
 use super::gas::Gas;
 use super::kernels::{Damped, Ends, Flow};
 use super::mode::{Mode, head};
-use super::past::Past;
+use super::past_flows::PastFlows;
 use super::plan::{Pair, Plan};
 use super::resistance::interpolate;
 
@@ -52,7 +52,7 @@ pub(crate) struct Workspace {
     /// Flow that leaves the first space of a passage, where it differs from that which arrives.
     pub(crate) leaving: Vec<Flow<f64>>,
     /// Past flows of delayed passages.
-    pub(crate) past: Past,
+    pub(crate) past: PastFlows,
     /// Net mass flow and enthalpy flow into each volume.
     inflow: Vec<[f64; 2]>,
 }
@@ -68,11 +68,7 @@ impl Workspace {
             pressure.push(reservoir.pressure);
             temperature.push(reservoir.temperature);
         }
-        let still = Flow {
-            mass: 0.0,
-            enthalpy: 0.0,
-            between: [0.0; 2],
-        };
+        let still = Flow::none(0.0);
         Self {
             position: vec![0.0; places],
             velocity: vec![0.0; places],
@@ -194,11 +190,7 @@ impl Plan {
     pub(crate) fn flow_through(&self, index: usize, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
         let passage = &self.passages[index];
         if !passage.is_open(mode) && passage.delay.is_none() && passage.undelayed.is_none() {
-            w.flow[index] = Flow {
-                mass: 0.0,
-                enthalpy: 0.0,
-                between: [w.pressure[passage.to]; 2],
-            };
+            w.flow[index] = Flow::none(w.pressure[passage.to]);
             w.thrust[index] = 0.0;
             return;
         }

@@ -10,7 +10,7 @@ use crate::checks::{InputError, same_length};
 use nalgebra::{Complex, DMatrix};
 
 impl Exterior {
-    /// Adds the cost of the columns of a cover, of which there are at most as many as unknowns, to that of the motions.
+    /// Adds the cost of the columns of a cover, at most one for each unknown, to that of the motions.
     pub(crate) fn with_cost_of_cover(&self, cost: FrequencyCost) -> FrequencyCost {
         let Some(cover) = self.cover() else { return cost };
         let covered = cover.shares.iter().filter(|share| **share > 0.0).count() as f64;

@@ -26,7 +26,7 @@ pub struct TwoEvaluations {
     pub imaginary: Option<(DMatrix<f64>, Vec<DMatrix<f64>>)>,
     /// Largest |R_ij - R_ji| of the surface evaluation, relative to the largest entry of R. It would be zero by
     /// reciprocity, but the discretisation violates it. On a covered surface, that of int v_i p_j dS, where v is the
-    /// velocity that the outer face of the layer has without pressure.
+    /// velocity of the layer's outer face without pressure.
     pub asymmetry: f64,
     /// Largest difference between the powers of a pattern from the two evaluations \[dB\], among patterns within 30 dB
     /// of the loudest.
@@ -163,7 +163,7 @@ impl Exterior {
         evaluated.into_iter().collect()
     }
 
-    /// Both evaluations on a covered surface. R is that of the radiated sound, without what the layer absorbs.
+    /// Both evaluations on a covered surface. R gives the radiated power and excludes the power that the layer absorbs.
     fn covered_evaluations(
         &self,
         data: &[NeumannData],

@@ -62,7 +62,7 @@ impl Run<'_> {
             word: word.action.word(),
         };
         self.log.insert(place, entry);
-        self.events.hear(word, time, plan, &self.mode, &self.w);
+        self.events.record_word(word, time, plan, &self.mode, &self.w);
     }
 
     /// The step from `from` to `to`, up to the first condition that becomes false, stored in `points`.

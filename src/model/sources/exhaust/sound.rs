@@ -451,6 +451,9 @@ struct MainJet {
     screech: Vec<Option<f64>>,
 }
 
+/// Mass of air below which the outflow is rounding and makes no jet; a shot discharges grams \[kg\].
+const LEAST_MASS: f64 = 1e-9;
+
 /// The jets of several openings together.
 #[derive(Default)]
 struct JetSum {
@@ -473,7 +476,7 @@ impl JetSum {
     }
 
     fn mass_gap(&self) -> f64 {
-        if self.mass > 0.0 {
+        if self.mass > LEAST_MASS {
             self.jet_mass / self.mass - 1.0
         } else {
             0.0

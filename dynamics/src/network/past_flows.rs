@@ -15,10 +15,10 @@ pub(crate) struct Node {
 }
 
 /// Past flows of each passage, at the ends of all steps; the workspaces of a run share them.
-pub(crate) type Past = Rc<RefCell<Vec<Vec<Node>>>>;
+pub(crate) type PastFlows = Rc<RefCell<Vec<Vec<Node>>>>;
 
 /// Flow at a past time, by cubic Hermite interpolation between the ends of steps; zero before the first.
-pub(crate) fn read(nodes: &[Node], time: f64) -> [f64; 2] {
+pub(crate) fn interpolated(nodes: &[Node], time: f64) -> [f64; 2] {
     let right = nodes.partition_point(|node| node.time <= time);
     let (Some(a), Some(b)) = (right.checked_sub(1).and_then(|left| nodes.get(left)), nodes.get(right)) else {
         // After the last known flow it is constant, which matters only within the rounding of the time.
@@ -54,12 +54,12 @@ mod tests {
         };
         let nodes = [node(0.0), node(0.3), node(1.0)];
         for t in [0.0, 0.1, 0.29, 0.3, 0.7, 1.0] {
-            let [mass, enthalpy] = read(&nodes, t);
+            let [mass, enthalpy] = interpolated(&nodes, t);
             assert!(
                 (mass - f(t)).abs() < 1e-14 && (enthalpy - 2.0 * f(t)).abs() < 1e-14,
                 "{t}"
             );
         }
-        assert_eq!(read(&nodes, -0.1), [0.0; 2]);
+        assert_eq!(interpolated(&nodes, -0.1), [0.0; 2]);
     }
 }
