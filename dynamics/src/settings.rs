@@ -8,8 +8,11 @@ use crate::CycleError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Variable-order backward differentiation formulas (orders 1 to 5).
+    /// An explicit Runge-Kutta pair of order 5 (Tsitouras 2011) where accuracy limits its step, [`Method::Bdf`] where
+    /// stability does.
     #[default]
+    Switching,
+    /// Variable-order backward differentiation formulas (orders 1 to 5).
     Bdf,
     /// Explicit-first-stage singly diagonally implicit Runge-Kutta, order 3 with dense output of the same order.
     Esdirk34,
@@ -34,7 +37,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            method: Method::Bdf,
+            method: Method::Switching,
             relative_tolerance: 1e-7,
             sample_interval: 4e-6,
             end: 0.1,

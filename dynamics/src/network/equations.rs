@@ -17,6 +17,11 @@ use super::rates::Workspace;
 type Matrix = NalgebraMat<f64>;
 type Vector = NalgebraVec<f64>;
 
+/// Power iterations before the growth is averaged, and those of the average. A pair of complex eigenvalues makes the
+/// growth oscillate.
+const SETTLING: usize = 8;
+const AVERAGED: usize = 6;
+
 /// Counts of evaluations.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Calls {
@@ -64,6 +69,12 @@ impl<'p> Equations<'p> {
         self.calls.get()
     }
 
+    fn count(&self, change: impl FnOnce(&mut Calls)) {
+        let mut calls = self.calls.get();
+        change(&mut calls);
+        self.calls.set(calls);
+    }
+
     /// y' and y'' at a state, without the explicit dependence on time in y''.
     pub(crate) fn derivatives(&self, t: f64, y: &[f64]) -> [Vec<f64>; 2] {
         let mut first = vec![0.0; y.len()];
@@ -82,6 +93,46 @@ impl<'p> Equations<'p> {
             }
         }
         [first, second]
+    }
+
+    /// Estimate of the spectral radius of the Jacobian of the states, by power iteration in units of `scale` \[1/s\].
+    pub(crate) fn spectral_radius(&self, t: f64, y: &[f64], scale: &[f64]) -> f64 {
+        self.count(|calls| calls.jacobians += 1);
+        let Inside {
+            mode,
+            workspace,
+            jacobian,
+        } = &mut *self.inside.borrow_mut();
+        self.plan.jacobian(t, y, mode, workspace, jacobian);
+        let states = self.plan.states();
+        let scale = &scale[..states];
+        let (mut x, mut product) = (vec![1.0; states], vec![0.0; states]);
+        let mut growth = 0.0;
+        for iteration in 0..SETTLING + AVERAGED {
+            product.fill(0.0);
+            let columns = jacobian.values().chunks_exact(y.len()).zip(&x).zip(scale);
+            for ((column, x), size) in columns {
+                let value = x * size;
+                for (product, entry) in product.iter_mut().zip(column) {
+                    *product += entry * value;
+                }
+            }
+            for (product, size) in product.iter_mut().zip(scale) {
+                *product /= size;
+            }
+            let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let norm = length(&product);
+            if norm == 0.0 {
+                return 0.0;
+            }
+            if iteration >= SETTLING {
+                growth += (norm / length(&x)).ln();
+            }
+            for (x, product) in x.iter_mut().zip(&product) {
+                *x = product / norm;
+            }
+        }
+        (growth / AVERAGED as f64).exp()
     }
 
     /// y' at a state.
@@ -157,9 +208,7 @@ impl ConstantOp for Initial<'_, '_> {
 
 impl NonLinearOp for Rates<'_, '_> {
     fn call_inplace(&self, x: &Vector, t: f64, y: &mut Vector) {
-        let mut calls = self.0.calls.get();
-        calls.rates += 1;
-        self.0.calls.set(calls);
+        self.0.count(|calls| calls.rates += 1);
         let Inside { mode, workspace, .. } = &mut *self.0.inside.borrow_mut();
         let rate = y.batch_as_mut_slice(0);
         self.0.plan.rates(t, x.batch_as_slice(0), mode, workspace, rate);
@@ -184,9 +233,7 @@ impl NonLinearOpJacobian for Rates<'_, '_> {
     }
 
     fn jacobian_inplace(&self, x: &Vector, t: f64, matrix: &mut Matrix) {
-        let mut calls = self.0.calls.get();
-        calls.jacobians += 1;
-        self.0.calls.set(calls);
+        self.0.count(|calls| calls.jacobians += 1);
         let Inside {
             mode,
             workspace,

@@ -392,6 +392,7 @@ mod tests {
     use crate::coupling::Step;
     use crate::network::assembly::Polytropic;
     use crate::network::drive::Drive;
+    use crate::network::equations::Equations;
     use crate::network::mode::head;
     use crate::network::{Assembly, AssemblyText, KeyValue};
 
@@ -516,5 +517,23 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn the_estimate_of_the_spectral_radius_is_the_largest_eigenvalue() {
+        let assembly = everything();
+        let plan = Plan::new(&assembly).unwrap();
+        let (y, mode) = acting(&plan);
+        let (states, size) = (plan.states(), plan.size());
+        let scale = crate::network::tolerances::tolerances(&plan, 1e-7);
+        let equations = Equations::new(&plan, mode.clone(), Workspace::new(&plan).past);
+        let estimate = equations.spectral_radius(0.0, &y, &scale);
+        let mut jacobian = Jacobian::new(&plan);
+        plan.jacobian(0.0, &y, &mode, &mut Workspace::new(&plan), &mut jacobian);
+        let entry = |i, j| jacobian.values()[j * size + i] * scale[j] / scale[i];
+        let matrix = nalgebra::DMatrix::from_fn(states, states, entry);
+        let eigenvalues = matrix.complex_eigenvalues();
+        let largest = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        assert!((estimate / largest - 1.0).abs() < 0.2, "{estimate:e} {largest:e} 1/s");
     }
 }

@@ -20,7 +20,7 @@ pub struct Numerics {
 impl Default for Numerics {
     fn default() -> Self {
         Self {
-            method: Method::Bdf,
+            method: Method::Switching,
             relative_tolerance: 1e-7,
             sample_interval: Some(4e-6),
             channels: None,

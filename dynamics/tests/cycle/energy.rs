@@ -13,7 +13,7 @@ fn work(r: &CycleRecord, force: &[f64], rate: impl Fn(usize) -> f64) -> f64 {
 
 #[test]
 fn the_shot_closes_to_a_millionth_of_the_gas_energy_and_to_a_millijoule() {
-    for method in [Method::Bdf, Method::Esdirk34] {
+    for method in [Method::Switching, Method::Bdf, Method::Esdirk34] {
         let settings = Settings {
             method,
             ..Settings::default()

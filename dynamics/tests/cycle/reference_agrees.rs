@@ -20,14 +20,14 @@ fn run(p: &Parameters, method: Method, part: f64, end: f64) -> CycleRecord {
     simulate(p, &settings).unwrap()
 }
 
-/// Both methods agree with the reference on every event up to `end`, and with themselves at half the tolerance.
+/// All methods agree with the reference on every event up to `end`, and with themselves at half the tolerance.
 fn agree(p: &Parameters, end: f64) {
     agree_within(p, end, LIMIT);
 }
 
 fn agree_within(p: &Parameters, end: f64, limit: f64) {
     let reference = reference::integrate(p, 1e-7, end);
-    for method in [Method::Bdf, Method::Esdirk34] {
+    for method in [Method::Switching, Method::Bdf, Method::Esdirk34] {
         let (record, half) = (run(p, method, 1.0, end), run(p, method, 0.5, end));
         let others = [
             ("the reference", reference.events),

@@ -1,6 +1,6 @@
 //! Counts of the integrator for the base design: a loss of efficiency fails the test.
 
-use nailnoise_dynamics::{Parameters, Settings, simulate};
+use nailnoise_dynamics::{Method, Parameters, Settings, simulate};
 
 use crate::BASE;
 use crate::common::n80cb;
@@ -12,10 +12,10 @@ const ROUNDING: f64 = 0.01;
 fn the_integrator_needs_as_many_steps_as_before() {
     let work = BASE.work;
     let frozen = [
-        ("steps", work.steps, 4678),
-        ("rejected", work.rejected, 650),
-        ("Newton iterations", work.newton_iterations, 8608),
-        ("factorisations", work.factorisations, 1557),
+        ("steps", work.steps, 3302),
+        ("rejected", work.rejected, 605),
+        ("Newton iterations", work.newton_iterations, 5550),
+        ("factorisations", work.factorisations, 883),
     ];
     for (name, count, expected) in frozen {
         let part = (count as f64 / f64::from(expected) - 1.0).abs();
@@ -24,8 +24,23 @@ fn the_integrator_needs_as_many_steps_as_before() {
             "{name}: {count}, frozen at {expected}; state the cause and freeze anew"
         );
     }
-    assert!(work.newton_failures <= 30 && work.jacobians <= 150, "{work:?}");
+    // Some of the Jacobians only serve for their spectral radius.
+    assert!(work.newton_failures <= 30 && work.jacobians <= 190, "{work:?}");
     assert_eq!(work.events, 52);
+}
+
+#[test]
+fn an_explicit_pair_takes_fewer_steps_where_the_equations_are_not_stiff() {
+    let settings = Settings {
+        method: Method::Bdf,
+        ..Settings::default()
+    };
+    let implicit = simulate(&n80cb(), &settings).unwrap().work;
+    assert!(BASE.work.steps < 3 * implicit.steps / 4, "{implicit:?}");
+    assert!(
+        BASE.work.factorisations < 2 * implicit.factorisations / 3,
+        "{implicit:?}"
+    );
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn a_vessel_without_heat_empties_by_the_isentropic_law() {
 
 #[test]
 fn a_vessel_at_one_temperature_empties_exponentially() {
-    let record = run(&blow_gun(true), 1e-10);
+    let record = run(&blow_gun(true), 1e-11);
     close("300 kPa", record.event("half").unwrap(), 0.246_899_044_878_577_1, 1e-8);
     close("110 kPa", record.event("empty").unwrap(), 0.520_872_110_273_865_9, 1e-8);
 }

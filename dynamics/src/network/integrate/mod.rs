@@ -3,8 +3,11 @@
 //! A step may extend beyond an event, because the right-hand side of a mode is smooth everywhere. The event is then
 //! located on the solver's interpolant, the state is evaluated there, and the next segment starts in the new mode.
 
+mod stability;
 mod state;
 mod trajectory;
+
+use stability::Stability;
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::ode_solver::state::StateCommon;
@@ -38,6 +41,9 @@ const POINTS: usize = 2;
 const STEP_LIMIT: usize = 500_000;
 
 pub(crate) type Problem<'p> = OdeSolverProblem<Equations<'p>>;
+
+/// Whether the next step of an explicit method, after a time and a state, is unstable.
+type Stiff<'s> = &'s mut dyn FnMut(f64, &[f64], f64) -> bool;
 
 /// Part of a window that need not be integrated, because the remainder after an event may be too short for a step
 /// \[s\].
@@ -273,8 +279,40 @@ impl<'p> Run<'p> {
                 (first, self.first_step(problem, &second), self.numerics.method)
             }
         };
+        match method {
+            Method::Esdirk34 => {
+                let solver = problem.esdirk34_solver::<LedgerLu>(self.initial(first, step));
+                self.follow(solver.map_err(|cause| self.failure(&cause))?, None)?;
+            }
+            Method::Bdf => self.implicit(problem, first, step)?,
+            Method::Switching => {
+                let Some(mut stability) = Stability::of_segment(problem, self.t, &self.y, step) else {
+                    return self.implicit(problem, first, step);
+                };
+                let start = self.initial(first, Stability::first_step(step));
+                let solver = problem.tsit45_solver(start).map_err(|cause| self.failure(&cause))?;
+                let mut stiff = |t: f64, y: &[f64], h: f64| stability.is_exceeded(problem, t, y, h);
+                if !self.follow(solver, Some(&mut stiff))? {
+                    let [first, second] = problem.eqn.derivatives(self.t, &self.y);
+                    let step = self.first_step(problem, &second);
+                    self.implicit(problem, first, step)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Integrates a segment by backward differentiation formulas.
+    fn implicit(&mut self, problem: &Problem<'p>, first: Vec<f64>, step: f64) -> Result<(), RunError> {
+        let solver = problem.bdf_solver::<LedgerLu>(self.initial(first, step));
+        self.follow(solver.map_err(|cause| self.failure(&cause))?, None)?;
+        Ok(())
+    }
+
+    /// The present state with its derivative and a first step, for a solver.
+    fn initial<S: OdeSolverState<NalgebraVec<f64>>>(&self, first: Vec<f64>, step: f64) -> S {
         let empty = || NalgebraVec::<f64>::zeros(0, Default::default());
-        let common = StateCommon {
+        S::new_from_common(StateCommon {
             y: NalgebraVec::from_vec(self.y.clone(), Default::default()),
             h: step,
             dy: NalgebraVec::from_vec(first, Default::default()),
@@ -285,21 +323,12 @@ impl<'p> Run<'p> {
             sg: empty(),
             dsg: empty(),
             t: self.t,
-        };
-        match method {
-            Method::Bdf => {
-                let solver = problem.bdf_solver::<LedgerLu>(OdeSolverState::new_from_common(common));
-                self.follow(solver.map_err(|cause| self.failure(&cause))?)
-            }
-            Method::Esdirk34 => {
-                let solver = problem.esdirk34_solver::<LedgerLu>(OdeSolverState::new_from_common(common));
-                self.follow(solver.map_err(|cause| self.failure(&cause))?)
-            }
-        }
+        })
     }
 
-    /// Integrates to the end of the segment.
-    fn follow<'e, M>(&mut self, mut solver: M) -> Result<(), RunError>
+    /// Integrates to the end of the segment, or to a step after which `stiff` is true of time, state and next step; the
+    /// result is whether the segment has ended.
+    fn follow<'e, M>(&mut self, mut solver: M, mut stiff: Option<Stiff<'_>>) -> Result<bool, RunError>
     where
         M: OdeSolverMethod<'e, Equations<'p>>,
         'p: 'e,
@@ -316,7 +345,12 @@ impl<'p> Run<'p> {
         };
         let limit = STEP_LIMIT * (self.plan.assembly.end.ceil().max(1.0) as usize) + (WINDOW_LIMIT * windows) as usize;
         loop {
-            let reason = solver.step().map_err(|cause| self.failure(&cause))?;
+            let reason = match solver.step() {
+                Ok(reason) => reason,
+                // An explicit method fails where stability requires very short steps.
+                Err(_) if stiff.is_some() => return Ok(false),
+                Err(cause) => return Err(self.failure(&cause)),
+            };
             self.work.steps += 1;
             if self.work.steps > limit {
                 return Err(RunError::Integration {
@@ -359,13 +393,15 @@ impl<'p> Run<'p> {
             if let Some(slot) = stretch.event {
                 self.cross(slot)?;
             }
-            if stretch.event.is_some() || due || self.is_through() {
+            let ended = stretch.event.is_some() || due || self.is_through();
+            let next = solver.state().h;
+            if ended || stiff.as_mut().is_some_and(|stiff| stiff(self.t, &self.y, next)) {
                 let statistics = solver.get_statistics();
                 self.work.rejected += statistics.number_of_error_test_failures;
                 self.work.newton_failures += statistics.number_of_nonlinear_solver_fails;
                 self.work.newton_iterations += statistics.number_of_nonlinear_solver_iterations;
                 self.work.factorisations += statistics.number_of_linear_solver_setups;
-                return Ok(());
+                return Ok(ended);
             }
             end = self.stop_time();
             let next = self.reach();
