@@ -166,10 +166,8 @@ impl Probe {
             }
             Self::Choked(i) => f64::from(u8::from(plan.is_choked(i, mode, w))),
             Self::ChokedAt(i, restriction) => {
-                let [before, behind] = plan.around(i, restriction, w);
-                let passage = &plan.passages[i];
-                let choked = passage.is_open(mode) && behind < plan.airs[passage.air].critical * before;
-                f64::from(u8::from(choked))
+                let around = plan.around(i, restriction, w);
+                f64::from(u8::from(plan.is_choked_by(i, around, mode)))
             }
             Self::Overlap(i) => {
                 let contact = &plan.contacts[i];
@@ -214,20 +212,21 @@ impl Plan {
         self.passages[passage].pressures_at(restriction, &self.ends(passage, w), &w.flow[passage])
     }
 
+    /// Whether pressures before and behind a restriction of a passage choke its flow.
+    pub(crate) fn is_choked_by(&self, passage: usize, [before, behind]: [f64; 2], mode: &Mode) -> bool {
+        let plan = &self.passages[passage];
+        plan.is_open(mode) && behind < self.airs[plan.air].critical * before
+    }
+
     /// Whether the last restriction in flow direction is choked.
     fn is_choked(&self, passage: usize, mode: &Mode, w: &Workspace) -> bool {
-        let plan = &self.passages[passage];
-        if !plan.is_open(mode) {
-            return false;
-        }
-        let critical = self.airs[plan.air].critical;
-        if w.flow[passage].mass >= 0.0 {
-            let [before, behind] = self.around(passage, plan.restrictions.len() - 1, w);
-            behind < critical * before
+        let around = if w.flow[passage].mass >= 0.0 {
+            self.around(passage, self.passages[passage].restrictions.len() - 1, w)
         } else {
             let [behind, before] = self.around(passage, 0, w);
-            behind < critical * before
-        }
+            [before, behind]
+        };
+        self.is_choked_by(passage, around, mode)
     }
 
     /// Evaluates a state as far as necessary.

@@ -1,5 +1,9 @@
 //! Histories on a uniform grid, under construction.
 
+mod reads;
+
+use reads::Reads;
+
 use super::assembly::{PressurePatch, Space};
 use super::error::RunError;
 use super::mode::Mode;
@@ -24,105 +28,6 @@ impl Source {
             Self::Probe(probe) => probe.value(plan, mode, w),
             Self::Negative(probe) => -probe.value(plan, mode, w),
             Self::Program(program) => program.value(plan, mode, w),
-        }
-    }
-}
-
-/// Quantities that are copied from the workspace, by the vector that contains them: place of the history, index.
-///
-/// Most histories are such quantities, and one loop for each vector takes a fraction of the time of a `match` for each
-/// history.
-#[derive(Debug, Default)]
-struct Reads {
-    position: Vec<(usize, usize)>,
-    velocity: Vec<(usize, usize)>,
-    acceleration: Vec<(usize, usize)>,
-    travel: Vec<(usize, Pair)>,
-    speed: Vec<(usize, Pair)>,
-    pressure: Vec<(usize, usize)>,
-    temperature: Vec<(usize, usize)>,
-    mass: Vec<(usize, usize)>,
-    mass_flow: Vec<(usize, usize)>,
-    spring: Vec<(usize, usize)>,
-    friction: Vec<(usize, usize)>,
-    imposed: Vec<(usize, usize)>,
-    resistance: Vec<(usize, usize)>,
-    contact: Vec<(usize, usize)>,
-    /// Places of all other histories.
-    others: Vec<usize>,
-}
-
-impl Reads {
-    fn new(sources: &[Source]) -> Self {
-        let mut reads = Self::default();
-        for (place, source) in sources.iter().enumerate() {
-            let Source::Probe(probe) = source else {
-                reads.others.push(place);
-                continue;
-            };
-            let (list, index) = match *probe {
-                Probe::Travel(pair) => {
-                    reads.travel.push((place, pair));
-                    continue;
-                }
-                Probe::Speed(pair) => {
-                    reads.speed.push((place, pair));
-                    continue;
-                }
-                Probe::Position(i) => (&mut reads.position, i),
-                Probe::Velocity(i) => (&mut reads.velocity, i),
-                Probe::Acceleration(i) => (&mut reads.acceleration, i),
-                Probe::Pressure(i) => (&mut reads.pressure, i),
-                Probe::Temperature(i) => (&mut reads.temperature, i),
-                Probe::Mass(i) => (&mut reads.mass, i),
-                Probe::MassFlow(i) => (&mut reads.mass_flow, i),
-                Probe::Spring(i) => (&mut reads.spring, i),
-                Probe::Friction(i) => (&mut reads.friction, i),
-                Probe::Imposed(i) => (&mut reads.imposed, i),
-                Probe::Resistance(i) => (&mut reads.resistance, i),
-                Probe::Contact(i) => (&mut reads.contact, i),
-                _ => {
-                    reads.others.push(place);
-                    continue;
-                }
-            };
-            list.push((place, index));
-        }
-        reads
-    }
-
-    #[inline]
-    fn copy(&self, plan: &Plan, w: &Workspace, block: &mut [f64], row: usize) {
-        let mut put = |place: usize, value: f64| block[place * BLOCK + row] = value;
-        for (list, values) in [
-            (&self.position, &w.position),
-            (&self.velocity, &w.velocity),
-            (&self.acceleration, &w.acceleration),
-            (&self.pressure, &w.pressure),
-            (&self.temperature, &w.temperature),
-            (&self.mass, &w.mass),
-            (&self.imposed, &w.imposed),
-        ] {
-            list.iter().for_each(|(place, i)| put(*place, values[*i]));
-        }
-        self.travel
-            .iter()
-            .for_each(|(place, pair)| put(*place, w.travel(*pair)));
-        self.speed.iter().for_each(|(place, pair)| put(*place, w.speed(*pair)));
-        self.mass_flow
-            .iter()
-            .for_each(|(place, i)| put(*place, w.flow[*i].mass));
-        self.spring
-            .iter()
-            .for_each(|(place, i)| put(*place, w.spring[*i].force));
-        self.friction
-            .iter()
-            .for_each(|(place, i)| put(*place, w.friction[*i].force));
-        self.resistance
-            .iter()
-            .for_each(|(place, i)| put(*place, w.fastener[*i][0]));
-        for (place, i) in &self.contact {
-            put(*place, plan.contacts[*i].side * w.contact[*i].force);
         }
     }
 }
@@ -412,7 +317,7 @@ impl Recorder {
         }
         plan.forces(t, mode, w);
         let row = self.rows;
-        self.reads.copy(plan, w, &mut self.block, row);
+        self.reads.copy(plan, mode, w, &mut self.block, row);
         for place in &self.reads.others {
             self.block[place * BLOCK + row] = self.sources[*place].value(plan, mode, w);
         }
