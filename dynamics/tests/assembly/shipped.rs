@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use nailnoise_dynamics::Settings;
 use nailnoise_dynamics::network::{AssemblyText, BUILT_IN, KeyValue, Numerics, Record, simulate};
 
 use crate::common;
@@ -66,6 +67,37 @@ fn built_in_assemblies_run_and_conserve_mass_energy_and_momentum() {
         let events = record.events.iter().filter(|event| event.time.is_some()).count();
         assert_eq!(events, record.events.len(), "{name}: {:?}", record.events);
     }
+}
+
+/// The variant and the forms that the keys select describe one model.
+#[test]
+fn the_published_variant_equals_the_published_forms_of_the_keys() {
+    let parameters = common::n80cb();
+    let Some(Ok(text)) = AssemblyText::built_in("n80cb_as_published") else {
+        panic!("it cannot be read")
+    };
+    let resolved = text.resolve(&keys(&parameters));
+    let resolved = resolved.unwrap_or_else(|error| panic!("{error}; {}", error.help()));
+    let settings = Settings {
+        relative_tolerance: 1e-9,
+        ..Settings::default()
+    };
+    let numerics = Numerics {
+        relative_tolerance: settings.relative_tolerance,
+        ..Numerics::default()
+    };
+    let variant = simulate(&resolved.assembly, &numerics).unwrap();
+    let forms = nailnoise_dynamics::simulate(&parameters.published_all(), &settings).unwrap();
+    for (number, expected) in forms.events.to_array().into_iter().enumerate() {
+        let found = variant.event(&format!("t{number}"));
+        assert_eq!(found.is_some(), expected.is_some(), "t{number}");
+        let apart = found
+            .zip(expected)
+            .map_or(0.0, |(found, expected)| (found - expected).abs());
+        // The error of the integration.
+        assert!(apart < 1e-7, "t{number}: {apart:e} s");
+    }
+    assert_eq!(variant.outcome.as_deref(), Some(forms.outcome.name()));
 }
 
 /// Strike, bumper, stop and lift of the prototype \[ms\], and its speed at the strike \[m/s\].

@@ -12,8 +12,12 @@ use super::keys::standard;
 use super::node::{Entry, Node, Sources, Spot, Tree, entries};
 
 /// Built-in assemblies: name and text.
-pub const BUILT_IN: [(&str, &str); 7] = [
+pub const BUILT_IN: [(&str, &str); 8] = [
     ("n80cb", include_str!("../../../assemblies/n80cb.toml")),
+    (
+        "n80cb_as_published",
+        include_str!("../../../assemblies/n80cb_as_published.toml"),
+    ),
     ("n80cb_chamber", include_str!("../../../assemblies/n80cb_chamber.toml")),
     ("stapler", include_str!("../../../assemblies/stapler.toml")),
     (

@@ -77,7 +77,7 @@ pub(super) fn faces(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<Fac
             area: fields.required("area")?,
             zero: fields.or("zero", 0.0)?,
             perimeter: fields.or("perimeter", 0.0)?,
-            sweeps: fields.flag("sweeps", true)?,
+            sweeps: !fields.flag("constant_volume", false)?,
         })
     };
     each(resolver, Family::Face, &FACE)?.into_iter().map(read).collect()
