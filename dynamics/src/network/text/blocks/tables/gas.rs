@@ -122,7 +122,10 @@ pub(in crate::network::text::blocks) const FACE: TableSpec = TableSpec::of(
             "\"85 mm\"",
             "perimeter, for heat transfer along the travel (0)",
         ),
-        flag("constant_volume", "whether its travel leaves the volume unchanged (false)"),
+        flag(
+            "constant_volume",
+            "whether its travel leaves the volume unchanged (false)",
+        ),
     ],
 );
 
