@@ -138,7 +138,7 @@ impl Interval {
 }
 
 /// Estimated error including the samples of a round, given the misfit `found` without them and the misfit one round
-/// before: each round is assumed to reduce the error by the same factor as the previous one, but by no more than
+/// before. Each round is assumed to reduce the error by the same factor as the previous one, but by no more than
 /// [`GAIN`]. An exact result has no error.
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     match before {
