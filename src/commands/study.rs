@@ -48,8 +48,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     structures: Option<u16>,
-    /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most:
-    /// order=0.05 for the probability of being first, p50=0.3 for the median of the total in dB, or both
+    /// Begin with 32 draws and double them, up to N, until half of the 90 % interval is below a limit: order=0.05 for
+    /// the probability of being first, p50=0.3 for the median of the total in dB, or both
     #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with_all = ["no_cache", "task"])]
     until: Vec<Until>,
     /// Keep the draws in this folder, which tasks on several machines may share, and not in the cache

@@ -218,9 +218,9 @@ group! {
     /// The block of wood that is nailed.
     Workpiece {
         ..block: dynamics::Block;
-        /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
-        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`, in a file without
-        /// names the highest and the lowest plane, or those of `surfaces.NAME`.
+        /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response. The length is centred
+        /// on x = 0, the width on y = 0, and z points up from the underside. It has the surfaces `top` and `bottom`. In
+        /// a file without names they are the highest and the lowest plane, or those of `surfaces.NAME`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -346,10 +346,10 @@ group! {
         stiffness: f64 = positive(STIFFNESS), "k_ws";
         /// Damping ratio of that spring, on the workpiece's mass.
         damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_ws";
-        /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and
-        /// `leg` and the surfaces `top` and, if it is clamped, `floor`, in a file without names the highest and the
-        /// lowest plane, or those of `surfaces.NAME`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave`
-        /// follow those of `NAME_master`.
+        /// Mesh (.msh) or geometry (.step) in place of the table, with z = 0 at its upper face. It has the parts `top`
+        /// and `leg`, the surface `top` and, if it is clamped, the surface `floor`. In a file without names the
+        /// surfaces are the highest and the lowest plane, or those of `surfaces.NAME`. Bodies meshed apart are tied:
+        /// the nodes of a surface `NAME_slave` follow those of `NAME_master`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -465,14 +465,13 @@ group! {
         lumped_magazine: f64 = fraction(), "";
         /// Loss factor of the assembled tool's modes.
         loss_factor: f64 = fraction(), "eta";
-        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes; parts named `housing`, `nose` and
-        /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on
-        /// the surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of
+        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes. Parts named `housing`, `nose` and
+        /// `sleeve` take their materials; a mesh with a single part takes that of the housing. Masses are lumped on the
+        /// surfaces `nose_tip`, `magazine` and `seat`. The nodes of a surface `NAME_slave` follow those of
         /// `NAME_master`. Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`,
         /// and where there are such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`. `surfaces.NAME`
-        /// gives the places of surfaces that the file does not name; in a file that names none of them, all but the
-        /// magazine are recognised by the axis x = y = 0 and the bore (`nailnoise check DESIGN --body tool` shows
-        /// them).
+        /// gives the places of surfaces that the file does not name. In a file that names none of them, all but the
+        /// magazine are recognised by the axis x = y = 0 and the bore; `nailnoise check DESIGN --body tool` shows them.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -572,8 +571,9 @@ group! {
         /// speed of sound is; above it they are solved in the mean over frequency, up to `bem_mean_max_frequency`.
         bem_max_frequency: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
         /// Upper end of the boundary elements in the mean over bands of at most a sixth of an octave, for workpiece and
-        /// tool, in the same air as `bem_max_frequency`; 0 for half an octave above the highest single frequency, which
-        /// needs no finer mesh. At least one band is solved. Above it the high-frequency limit applies.
+        /// tool, in the same air as `bem_max_frequency`. With 0 it is half an octave above the highest single
+        /// frequency, which needs no finer mesh. At least one band is solved. Above it the high-frequency limit
+        /// applies.
         bem_mean_max_frequency: f64 = nonnegative(FREQUENCY).within(0.0, 1e5), "";
         /// How the equations of boundary elements are stored and solved.
         bem_equations: BemEquations = BemEquations::KIND, "";
