@@ -176,8 +176,8 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
 /// over common draws of all points. Points with conflicting values are rejected with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; no key, or the same key twice; a point that needs more memory than allowed;
-/// a grid with too many points.
+/// A key or value that no design can have. No key, or the same key twice. A point that needs more memory than allowed.
+/// A grid with too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),

@@ -24,8 +24,8 @@ pub enum Coding {
 /// `rate` is in Hz; `full_scale`, in the unit of the signals, is the value of the largest sample.
 ///
 /// # Errors
-/// If signals differ in length, their number is zero or above 65 535, values are not finite or (for integers) beyond
-/// full scale, or the file would exceed the limit of WAV (4 GiB).
+/// If signals differ in length, their number is zero or above 65 535, or the file would exceed the limit of WAV (4
+/// GiB). Values must be finite and, for integers, within full scale.
 pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) -> io::Result<Vec<u8>> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, what);
     let length = signals.first().map_or(0, |signal| signal.len());

@@ -49,7 +49,7 @@ impl Exterior {
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// R is symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which
+    /// By construction, R is symmetric and positive semidefinite. It is independent of [`Exterior::impedance`], which
     /// integrates the intensity on the surface.
     ///
     /// # Errors
