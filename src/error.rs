@@ -92,7 +92,7 @@ pub enum Error {
     /// The Python process was ended from outside.
     #[error("the Python process was ended by signal {signal}")]
     #[diagnostic(help(
-        "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
+        "signal 9 often means that memory ran out; computed results are cached, and the same command resumes from there"
     ))]
     PythonEnded {
         /// Number of the signal; 0 if unknown.
@@ -306,7 +306,7 @@ pub enum Error {
     },
     /// A design would overwrite its base.
     #[error("{} is the name of a base of this design", path.display())]
-    #[diagnostic(help("choose another name for the design; its base is written beside it"))]
+    #[diagnostic(help("choose another name for the design; its base is written to the same folder"))]
     NameOfBase {
         /// The file.
         path: PathBuf,

@@ -160,7 +160,7 @@ impl Shown {
 /// Memory limit of a command.
 #[derive(Args)]
 struct Memory {
-    /// Most memory that one stage may need, as 8GB [default: three quarters of what is free]
+    /// Largest memory that one stage may need, such as 8GB [default: three quarters of the free memory]
     #[arg(long, value_name = "LIMIT")]
     memory: Option<MemoryLimit>,
 }

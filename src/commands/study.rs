@@ -65,8 +65,8 @@ pub(super) struct Arguments {
     /// `wood`
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     groups: bool,
-    /// State what each input does to the levels of the design itself, by two shots for each: at the 5th and the 95th
-    /// percentile of its distribution, all others as in the design
+    /// State the effect of each input on the levels of the design itself. Two shots for each input: at the 5th and the
+    /// 95th percentile of its distribution, with all others as in the design
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     one_at_a_time: bool,
     /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses

@@ -39,7 +39,7 @@ pub(super) struct Arguments {
     /// The wraps: those of the design, or such that let nothing through and hide nothing
     #[arg(long, value_enum, default_value_t)]
     wraps: Wraps,
-    /// State what the test gives in energies, without recordings and scatter
+    /// State the results of the test in terms of energies, without recordings and scatter
     #[arg(long)]
     energies: bool,
     /// Seed of scatter and noise

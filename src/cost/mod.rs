@@ -239,7 +239,10 @@ pub fn refuse(design: &Design, stages: &[StageCost], limit: MemoryLimit) -> Resu
             let needs = format!("about {:.2e} GB: {}", stage.gigabytes, stage.counted());
             let allowed = match limit.given {
                 true => format!("{:.3} GB are allowed by --memory", limit.gigabytes),
-                false => format!("{:.1} GB are allowed, three quarters of what is free", limit.gigabytes),
+                false => format!(
+                    "{:.1} GB are allowed, three quarters of the free memory",
+                    limit.gigabytes
+                ),
             };
             Err(design.too_costly(stage.stage, needs, allowed, stage.keys).into())
         }

@@ -72,7 +72,7 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
         p.quiet {
             "Absolute levels are predictions; the page Validation of the documentation compares those of one tool with \
              published tests. Differences between designs of one tool are more reliable than levels. "
-            a href="#assumptions" { "Assumptions" } " lists what is estimated."
+            a href="#assumptions" { "Assumptions" } " lists the estimated values."
         }
         @if numerical_failure {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }

@@ -251,7 +251,7 @@ impl Calibration {
             }),
             (None, Some(_), _) => none("`full_scale` in V is missing beside `sensitivity`"),
             (None, None, _) => {
-                none("the file holds fractions of full scale, and the manifest does not state what they are")
+                none("the file contains fractions of full scale, and the manifest does not state the full scale")
             }
         }
     }

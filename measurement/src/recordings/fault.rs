@@ -337,7 +337,7 @@ impl Fault {
             Self::Empty { .. } => "record this shot again, or correct `file`",
             Self::NotFinite { .. } => "export the recording again, and check the converter that wrote the file",
             Self::LowRate { .. } => {
-                "record at a higher rate: 48 kHz at least is usual, 160 kHz was used for the published test"
+                "record at a higher rate: at least 48 kHz is usual, 160 kHz was used for the published test"
             }
             Self::RatesDiffer { .. } => "record all channels and shots at one sampling rate",
             Self::StartsDiffer { .. } => "export all channels of a shot with a common time axis",

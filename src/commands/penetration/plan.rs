@@ -38,7 +38,7 @@ const STATIONS: u32 = 20;
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise penetration plan --nail 12d --energy 42.125J" => "masses and speeds, and the terms that they tell apart",
+    "nailnoise penetration plan --nail 12d --energy 42.125J" => "masses, speeds, and the terms that they can separate",
     "nailnoise penetration plan --nail 12d --from my-tool.toml" => "the energy of the piston of a design",
 ))]
 pub(super) struct Arguments {
@@ -59,7 +59,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "MASSES", value_delimiter = ',',
         value_parser = |text: &str| within(text, MASS, PROJECTILES))]
     mass: Vec<f64>,
-    /// What the speeds of the plan are
+    /// Meaning of the speeds of the plan
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = SpeedIs::Impact)]
     speed_is: SpeedIs,
     /// Wood by which the depths are predicted
@@ -71,7 +71,7 @@ pub(super) struct Arguments {
     /// Fitted law in its place, a file of `prf fit`
     #[arg(long, value_name = "FILE")]
     fit: Option<PathBuf>,
-    /// Form whose terms the plan is to tell apart
+    /// Form whose terms the plan should separate
     #[arg(long, value_name = "TERMS", default_value = "poly(x,3) + decay + inertia + energy")]
     form: String,
     /// Scatter between specimens of s = sqrt(F_r/(H_M NL)), for the number of repeats
