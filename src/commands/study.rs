@@ -137,7 +137,7 @@ impl FromStr for Until {
             .parse()
             .ok()
             .filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
-        let limit = limit.ok_or_else(|| format!("the limit of `{what}` is no number above 0"))?;
+        let limit = limit.ok_or_else(|| format!("the limit of `{what}` is not a number above 0"))?;
         match what.trim() {
             "order" => Ok(Self::Order(limit)),
             "p50" => Ok(Self::Median(limit)),

@@ -205,7 +205,7 @@ fn text(result: &TestResult) -> String {
     }
     text.push_str(&table(&titles, &rows));
     text.push_str(
-        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least \
+        "\n  bare: as the nine microphones measure it alone; less residual: the result of the test;\n  least \
          squares: from all five, \
          given the losses of the wraps; bound: the total less exhaust and body\n",
     );

@@ -256,8 +256,8 @@ pub fn announcement(stages: &[StageCost]) -> Option<String> {
     let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;
     (total > LONG).then(|| {
         format!(
-            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the \
-             {} ({})",
+            "this takes about {:.1} hours of processor time unless it is cached from an earlier run, most of it for \
+             the {} ({})",
             total / 3600.0,
             longest.stage,
             longest.counted()

@@ -689,7 +689,7 @@ group! {
 group! {
     /// Virtual wrapping test of EN 12549 (`nailnoise test`). It changes no level of a run.
     Test {
-        /// Shots of each configuration; EN 12549 asks for 5.
+        /// Shots of each configuration; EN 12549 requires 5.
         repeats: u32 = Kind::Count(100), "";
         /// Sampling rate of the recordings.
         sampling_rate: f64 = positive(FREQUENCY).within(25e3, 1e6), "";

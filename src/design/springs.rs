@@ -19,7 +19,7 @@ group! {
     /// spring is ignored if the design does not have its body. The origin is the centre of the workpiece's underside, x
     /// along its length, y along its width, z up.
     Spring {
-        /// What it holds.
+        /// The body it is attached to.
         body: Sprung = Sprung::KIND, "";
         /// Position along the workpiece's length.
         x: f64 = any(LENGTH), "x";

@@ -90,7 +90,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
     let log = match parts.next().map(str::trim) {
         None => false,
         Some("log") => true,
-        Some(other) => return Err(format!("`{other}` is no spacing; `log` is one")),
+        Some(other) => return Err(format!("`{other}` is not a spacing; `log` is one")),
     };
     let ((from, unit_of_low), (to, unit)) = (number(low)?, number(high)?);
     if !unit_of_low.is_empty() && unit_of_low != unit {

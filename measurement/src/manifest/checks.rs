@@ -122,7 +122,7 @@ pub(super) fn names(channels: &[Channel], root: &Keys<'_, '_>) -> Result<(), Key
         if !begins || !channel.name.chars().all(plain) {
             let all = root.table("channels", "[channels]")?;
             let help = "begin it with a letter or a digit, and use letters, digits, spaces and _ - . / ( ) + #";
-            let problem = "is no name of a channel: a spreadsheet or a terminal may obey it".to_owned();
+            let problem = "is not a valid channel name: a spreadsheet or a terminal may execute it".to_owned();
             return Err(all.as_ref().unwrap_or(root).error(&channel.name, problem, help));
         }
     }
@@ -201,7 +201,7 @@ pub(super) fn is_file(path: &Path, channel: &str) -> Result<(), MeasurementError
     let refuse = |error: &std::io::Error| Err(unreadable(path, channel, error));
     match std::fs::metadata(path) {
         Ok(data) if data.is_file() => Ok(()),
-        Ok(_) => refuse(&std::io::Error::other("it is no regular file")),
+        Ok(_) => refuse(&std::io::Error::other("it is not a regular file")),
         Err(error) => refuse(&error),
     }
 }

@@ -220,7 +220,7 @@ impl Calibration {
         }
         match (self.unit(track, quantity)?, self.sensitivity, self.full_scale) {
             (Some(_), _, _) if track.numbers == Numbers::Integers => {
-                none("`unit` is given, and the file holds integers, which are in no unit")
+                none("`unit` is given, and the file contains integers, which have no unit")
             }
             (Some(Unit::Quantity(factor)), None, full) => Ok(Scale {
                 factor,
@@ -249,7 +249,7 @@ impl Calibration {
                 factor: value,
                 full: Some(1.0),
             }),
-            (None, Some(_), _) => none("`full_scale` in V is missing beside `sensitivity`"),
+            (None, Some(_), _) => none("`sensitivity` is given without `full_scale` in V"),
             (None, None, _) => {
                 none("the file contains fractions of full scale, and the manifest does not state the full scale")
             }

@@ -50,8 +50,8 @@ pub enum Fault {
     },
     /// A WAV file has more samples than fit in memory.
     #[error(
-        "{channels} channel(s) of {samples} samples need {gigabytes:.1} GB of memory; three quarters of what is free, \
-         {allowed:.1} GB, may be used"
+        "{channels} channel(s) of {samples} samples need {gigabytes:.1} GB of memory; three quarters of the free \
+         memory, {allowed:.1} GB, may be used"
     )]
     Memory {
         /// Number of samples per channel.
@@ -144,7 +144,7 @@ pub enum Fault {
         problem: String,
     },
     /// The abscissa is not time.
-    #[error("dataset 58 number {channel} is no time history: its abscissa is {abscissa}{histories}")]
+    #[error("dataset 58 number {channel} is not a time history: its abscissa is {abscissa}{histories}")]
     NotTime {
         /// The channel, from 1.
         channel: usize,

@@ -401,7 +401,7 @@ fn text(result: &PlanResult, form: &Form) -> String {
     ));
     match &result.not_identifiable {
         Some(problem) => text.push_str(&format!("\n  {form}: {problem}\n")),
-        None => text.push_str(&format!("\n  the plan tells the terms of {form} apart\n")),
+        None => text.push_str(&format!("\n  the plan separates the terms of {form}\n")),
     }
     for (term, repeats) in &result.repeats {
         text.push_str(&format!(
