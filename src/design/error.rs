@@ -135,7 +135,7 @@ pub enum Problem {
         key: String,
         /// The text at that place.
         found: String,
-        /// Description of what is allowed.
+        /// Description of the allowed values.
         expected: String,
     },
     /// A text does not begin with a number.

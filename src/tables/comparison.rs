@@ -96,7 +96,8 @@ impl Comparison {
         Table::new(self.columns("place", |name| Column::short(name)), rows)
     }
 
-    /// What the designs achieve and consume: what quieting costs. None where no result states it.
+    /// Performance and consumption of the designs, which show the cost of noise reduction. None if no result states
+    /// them.
     pub(crate) fn performance_table(&self) -> Option<Table> {
         let figures: Vec<_> = self
             .performance

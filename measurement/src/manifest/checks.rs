@@ -24,7 +24,7 @@ const MICROPHONES: usize = 9;
 /// Number of shots per configuration from which the uncertainty of a mean is useful.
 const REPEATS: usize = 5;
 
-/// What each configuration measures, indexed by its number minus one.
+/// The source that each configuration measures, indexed by its number minus one.
 const MEASURED: [&str; 5] = ["the total", "the residual", "the exhaust", "the body", "the workpiece"];
 
 /// Distance of a point from the five faces of the box other than the reflecting plane \[m\]; `point` is relative to the

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Foreign, LOWEST_RATE, RUN, SHOT};
 
-/// What is wrong with the recording of a channel.
+/// Fault of the recording of a channel.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
@@ -148,7 +148,7 @@ pub enum Fault {
     NotTime {
         /// The channel, from 1.
         channel: usize,
-        /// What the abscissa is.
+        /// The quantity of the abscissa.
         abscissa: String,
         /// Which datasets are time histories.
         histories: String,

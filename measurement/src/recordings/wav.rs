@@ -267,7 +267,7 @@ mod tests {
         };
         assert!(said.contains("200000000 samples") && said.contains("3.2 GB"), "{said}");
         assert!(said.contains("1.0 GB") && remedy.contains("cut"), "{said} {remedy}");
-        // More than any machine has, where the system does not say what is free.
+        // More than any machine has, if the system does not report the free memory.
         let open = MemoryLimit {
             gigabytes: f64::INFINITY,
             given: false,

@@ -1,5 +1,5 @@
-//! `nailnoise penetration plan`: plans tests at high speed for a nail, and shows what they reach and which terms they
-//! can separate.
+//! `nailnoise penetration plan`: plans tests at high speed for a nail. It shows the depths that they reach and the
+//! terms that they can separate.
 
 use std::path::{Path, PathBuf};
 
