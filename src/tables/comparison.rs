@@ -114,7 +114,7 @@ impl Comparison {
                 .chain(figures.iter().map(value))
                 .collect()
         });
-        let columns = self.columns("what the shot has left and consumes", |name| Column::number(name));
+        let columns = self.columns("reserve and consumption of the shot", |name| Column::number(name));
         Some(Table::new(columns, rows))
     }
 

@@ -59,8 +59,8 @@ impl Interval {
         ends.into_iter().chain(&mut self.hz).for_each(|hz| *hz *= by);
     }
 
-    /// The same samples; the last `tests` of them test the others. If all are test samples, they are compared with
-    /// zero.
+    /// The same samples, with the last `tests` of them as test samples for the others. If all are test samples, they
+    /// are compared with zero.
     pub(super) fn tested_by(&self, tests: usize) -> Self {
         Self { tests, ..self.clone() }
     }
