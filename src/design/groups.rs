@@ -146,7 +146,7 @@ group! {
 }
 
 group! {
-    /// The nail, and where it stands under the rod.
+    /// The nail and its position under the rod.
     Nail {
         /// Nail by size and shank, which sets length, diameter and head; keys beside it win. `nailnoise list nails`
         /// prints them.
@@ -451,8 +451,8 @@ choice! {
 
 group! {
     /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the
-    /// nose's tip, the handle along +x. A rigid one takes part in `run` with its outer dimensions, the air it
-    /// displaces, alone.
+    /// nose's tip, the handle along +x. Of a rigid body, `run` uses only the outer dimensions, which give the displaced
+    /// air.
     Body {
         /// Its sources of sound: rigid motion and vibration, or rigid motion only, which is a lower bound.
         model: BodyModel = BodyModel::KIND, "";
