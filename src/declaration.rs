@@ -4,8 +4,8 @@
 //! L     level of the design itself          K = 1.645 sigma_t          L_d = L + K
 //! ```
 //!
-//! L and K are stated separately, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws
-//! of a study: the ranges of inputs and the errors of methods take the role of the scatter of measurements and
+//! L and K are stated separately, each rounded to the nearest decibel. The standard deviation sigma_t is that over the
+//! draws of a study. The ranges of inputs and the errors of methods take the role of the scatter of measurements and
 //! machines.
 
 use serde::Deserialize;

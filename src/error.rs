@@ -92,7 +92,7 @@ pub enum Error {
     /// The Python process was ended from outside.
     #[error("the Python process was ended by signal {signal}")]
     #[diagnostic(help(
-        "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
+        "signal 9 often means that memory ran out; computed results are cached, and the same command resumes from there"
     ))]
     PythonEnded {
         /// Number of the signal; 0 if unknown.
@@ -110,7 +110,7 @@ pub enum Error {
     /// A cluster did not complete its work.
     #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
     #[diagnostic(help(
-        "see its message above; finished work is kept, and the same command resumes, with or without --scheduler"
+        "see its message above; finished work is cached, and the same command resumes, with or without --scheduler"
     ))]
     OnCluster {
         /// Address of the scheduler.
@@ -215,7 +215,7 @@ pub enum Error {
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
     /// Keys can be set only for designs.
-    #[error("`{}` is no design, so that it has no key to set", path.display())]
+    #[error("`{}` is not a design and has no keys to set", path.display())]
     #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
     NothingToSet {
         /// The file given.
@@ -306,7 +306,7 @@ pub enum Error {
     },
     /// A design would overwrite its base.
     #[error("{} is the name of a base of this design", path.display())]
-    #[diagnostic(help("choose another name for the design; its base is written beside it"))]
+    #[diagnostic(help("choose another name for the design; its base is written to the same folder"))]
     NameOfBase {
         /// The file.
         path: PathBuf,
@@ -354,7 +354,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A name that is not in a list.
-    #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
+    #[error("there is no \"{name}\" among the {list} of nailnoise")]
     #[diagnostic(help("{}`nailnoise list {list}` prints all names",
         nearest.as_ref().map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
     UnknownName {

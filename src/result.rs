@@ -53,8 +53,8 @@ pub struct RunResult {
     pub total: Total,
     /// Intervals of the levels and P(first) from the draws of a study, or why they are not stated.
     pub study: RunStudy,
-    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
-    /// or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
+    /// Outcome of the shot: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`,
+    /// `does_not_release` or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
     pub outcome: String,
     /// If the nail is not driven or the exhaust does not open: the outcome, the figure by which the shot misses, and
     /// the inputs that would change it most. Absent for a shot that drives.
@@ -84,7 +84,7 @@ pub struct RunResult {
     pub sensors: Vec<SensorLevel>,
     /// Readings of the design's pressure transducers.
     pub transducers: Vec<TransducerRange>,
-    /// Measurement by microphones around the device, next to what is radiated.
+    /// Measurement by microphones around the device, for comparison with the radiated power.
     pub microphones: MicrophoneReport,
     /// Emission sound pressure at the operator's ear, for a declaration.
     pub ear: EarReport,
@@ -92,8 +92,7 @@ pub struct RunResult {
     pub declaration: Declaration,
     /// Checks of every stage.
     pub checks: Vec<Check>,
-    /// What a reader must know about the shot, the values of the design, and sources for which there is only an
-    /// estimate.
+    /// Notes for the reader on the shot, the values of the design, and sources that are only estimated.
     pub notes: Vec<String>,
     /// Ranges, errors and limits of the methods.
     pub method_notes: Vec<String>,

@@ -153,7 +153,7 @@ impl Chain {
         Ok(guessed)
     }
 
-    /// Checks what a run requires of its bodies, before any of them is solved.
+    /// Checks the requirements of a run on its bodies, before any of them is solved.
     ///
     /// # Errors
     /// The errors of meshes, and of bodies that a run cannot use.

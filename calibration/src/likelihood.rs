@@ -1,8 +1,8 @@
 //! Readings with their errors, and the likelihood of predictions.
 //!
-//! Reading k is y_k = f_k + sum_i c_ki z_i + e_k, where f_k is the predicted value, z_i are errors shared by several
-//! readings (of an instrument or of the model) and sampled as variables, and e_k is the independent error with scale
-//! s_k. With the residual r_k = (y_k - f_k - sum_i c_ki z_i)/s_k,
+//! Reading k is y_k = f_k + sum_i c_ki z_i + e_k. The predicted value is f_k, and e_k is the independent error with
+//! scale s_k. The errors z_i, of an instrument or of the model, are shared by several readings and sampled as
+//! variables. With the residual r_k = (y_k - f_k - sum_i c_ki z_i)/s_k,
 //!
 //! ```text
 //! l_k = -(nu + 1)/2 log(1 + r_k^2/nu), nu = 4      Student t

@@ -1,4 +1,4 @@
-//! What a further measurement would tell, from draws and their outputs, without another simulation.
+//! Information gained by a further measurement, from draws and their outputs, without another simulation.
 //!
 //! A measurement with the error s is made on each draw j in turn, y_j = f_j + s e_j. The other draws, weighted by the
 //! density of (y_j - f_i)/s, are then draws from the posterior with that reading (importance sampling; a
@@ -25,7 +25,7 @@ const DOUBLINGS: u32 = 60;
 /// A measurement that could be made.
 #[derive(Debug, Clone, Copy)]
 pub struct Further<'a> {
-    /// f, what it would read in each draw; NaN where there is nothing to read.
+    /// Its reading f in each draw; NaN if there is no reading.
     pub predictions: &'a [f64],
     /// s, standard deviation of its error, that of the model among it, in the unit of the predictions; above 0.
     pub scale: f64,

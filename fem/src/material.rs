@@ -160,8 +160,8 @@ impl Material {
         (self.slowest_shear / self.density).sqrt()
     }
 
-    /// Speeds of the slowest and the fastest plane wave in the direction of the unit vector n \[m/s\]: rho c^2 are the
-    /// eigenvalues of the Christoffel matrix Gamma_ik = C_ijkl n_j n_l (Auld, *Acoustic Fields and Waves in Solids*,
+    /// Speeds of the slowest and the fastest plane wave in the direction of the unit vector n \[m/s\]. The eigenvalues
+    /// of the Christoffel matrix Gamma_ik = C_ijkl n_j n_l are rho c^2 (Auld, *Acoustic Fields and Waves in Solids*,
     /// section 7.C).
     pub(crate) fn wave_speeds(&self, n: &Vector3<f64>) -> [f64; 2] {
         // Strain of the displacement e_k e^(j n.x), in the order xx, yy, zz, yz, xz, xy.

@@ -1,5 +1,5 @@
-//! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a
-//! command goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
+//! Each fuzz target reads arbitrary bytes as the program reads a file. It goes as far as a command goes before the
+//! computation begins. Nothing may panic, hang or need much memory; errors are as good as values.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -97,7 +97,7 @@ pub fn recording(bytes: &[u8]) {
     }
 }
 
-/// What a cache entry holds behind its header: a value in the postcard format, or one with a matrix.
+/// Content of a cache entry after its header: a value in the postcard format, or one with a matrix.
 pub fn cache_entry(bytes: &[u8]) {
     fn read<T, C: Codec<T>>(mut bytes: &[u8]) {
         let length = bytes.len();

@@ -1,4 +1,4 @@
-//! Why a measurement cannot be used: what is wrong, in which file and channel, and what to do about it.
+//! Reason why a measurement cannot be used: the fault, its file and channel, and the remedy.
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub enum MeasurementError {
         path: PathBuf,
         /// Name of the channel.
         channel: String,
-        /// What is wrong with it.
+        /// The fault.
         fault: Box<Fault>,
     },
     /// Air or room properties are impossible.

@@ -4,7 +4,7 @@
 //! determined by the following rules. Block or table: first at 2 g (t3), largest acceleration during the drive (t7).
 //! Handle: below 6 g for 2 ms (t10), above 6 g again (t12; if it still rings above 6 g after t11, the onset of a burst
 //! of twice its peak), above 6 g for the last time (t13). Transducer in the cylinder wall: it is exposed to the
-//! pressure above the piston from its steepest rise (t4) to its next step of either sign (t11); its fluctuation ends
+//! pressure above the piston from its steepest rise (t4) to its next step of either sign (t11). Its fluctuation ends
 //! (t8) when its range over 2 ms falls below 2 %.
 //!
 //! If only the body is bare, the burst of t12 is also located from the microphones ([`arrival`]), which shows whether

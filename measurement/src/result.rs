@@ -37,7 +37,7 @@ pub struct MeasurementResult {
     pub bound: Option<MeasuredBound>,
     /// The total minus the level of the sum of the three sources \[dB\].
     pub closure_db: Option<f64>,
-    /// What the reader must know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub enum Configuration {
     /// Nothing is wrapped: all sources.
     Total,
-    /// Everything is wrapped: what the wraps transmit.
+    /// Everything is wrapped: the sound that the wraps transmit.
     Residual,
     /// Only the exhaust is bare.
     Exhaust,
@@ -59,7 +59,7 @@ impl Configuration {
         self as usize + 1
     }
 
-    /// What it measures: a source, `total` or `residual`.
+    /// The measured quantity: a source, `total` or `residual`.
     pub fn measures(self) -> &'static str {
         match self {
             Self::Total => "total",

@@ -120,8 +120,8 @@ impl SolidGeometry<'_> {
     /// folded get straight sides.
     ///
     /// # Errors
-    /// Before meshing: [`MeshError::Sheets`] for faces that enclose no solid, [`MeshError::NoSolid`],
-    /// [`MeshError::Extent`] for an implausible longest side, [`MeshError::TooFine`] if memory does not suffice. Then
+    /// Before meshing: [`MeshError::Sheets`] for faces that enclose no solid, and [`MeshError::NoSolid`].
+    /// [`MeshError::Extent`] for an implausible longest side. [`MeshError::TooFine`] if memory does not suffice. Then
     /// [`MeshError::TooLong`], [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`crate::msh::read`].
     pub fn mesh(&self) -> Result<Imported, MeshError> {
         let (mut target, mut longest) = (self.size / LONGEST_OVER_TARGET, f64::INFINITY);

@@ -1,11 +1,12 @@
 //! Ordinary Kriging: a Gaussian process with a constant mean, fitted to observations.
 //!
-//! y(x) = beta + Z(x), cov(Z(x), Z(x')) = sigma^2 k(r), r^2 = sum_i (x_i - x'_i)^2 / l_i^2, with the Matern function of
-//! order 5/2, k(r) = (1 + sqrt(5) r + 5 r^2/3) exp(-sqrt(5) r) (Rasmussen and Williams, "Gaussian Processes for Machine
-//! Learning", 2006, eq. 4.17). With R_ij = k(r_ij) + g delta_ij, beta = 1'R^-1 y / 1'R^-1 1 and sigma^2 =
-//! (y - beta)'R^-1 (y - beta)/n maximise the likelihood (Jones, Schonlau and Welch, "Efficient global optimization of
-//! expensive black-box functions", Journal of Global Optimization 13, 455 (1998), eqs. 5 and 6). The lengths l_i and
-//! the roughness g maximise the remaining terms, -n/2 ln sigma^2 - 1/2 ln det R, and a prior on the lengths.
+//! The model is y(x) = beta + Z(x) with cov(Z(x), Z(x')) = sigma^2 k(r) and r^2 = sum_i (x_i - x'_i)^2 / l_i^2. The
+//! correlation is the Matern function of order 5/2, k(r) = (1 + sqrt(5) r + 5 r^2/3) exp(-sqrt(5) r) (Rasmussen and
+//! Williams, "Gaussian Processes for Machine Learning", 2006, eq. 4.17). With R_ij = k(r_ij) + g delta_ij, the
+//! likelihood has its maximum at beta = 1'R^-1 y / 1'R^-1 1 and sigma^2 = (y - beta)'R^-1 (y - beta)/n. (Jones,
+//! Schonlau and Welch, "Efficient global optimization of expensive black-box functions", Journal of Global Optimization
+//! 13, 455 (1998), eqs. 5 and 6.) The lengths l_i and the roughness g maximise the remaining terms, -n/2 ln sigma^2 -
+//! 1/2 ln det R, and a prior on the lengths.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

@@ -19,8 +19,8 @@ use super::wood::{HeadLaw, NailedWood, RateLaw};
 ///   frictional behaviour of wood, Wood Sci. Technol. 2, 139, 1968).
 /// - beta: increase of the crushing strength per decade of speed (S. R. Reid and C. Peng, Dynamic uniaxial crushing of
 ///   wood, Int. J. Impact Eng. 19, 531, 1997).
-/// - The smooth logarithm stays finite at rest, where it is -0.15 instead of minus infinity; two decades above v_ref it
-///   is 0.15 below lg(|v|/v_ref).
+/// - The smooth logarithm is finite at rest: -0.15 instead of minus infinity. Two decades above v_ref it is 0.15 below
+///   lg(|v|/v_ref).
 /// - q: factor of a coating on the shank; 1 for a bright nail. It is independent of [`RateLaw`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RateSplit {

@@ -26,7 +26,7 @@ pub struct ReportedRun {
 }
 
 impl ReportedRun {
-    /// Runs a design without writing files. The result includes what is known about its study.
+    /// Runs a design without writing files. The result includes the known figures of its study.
     ///
     /// # Errors
     /// The errors of [`Chain::run`].
@@ -58,7 +58,7 @@ impl ReportedRun {
         })
     }
 
-    /// Adds what is known about the study to the result.
+    /// Adds the known figures of the study to the result.
     pub fn state(&mut self, design: &Design, study: &StudySource) {
         let study = study.of_run(design, &self.run.result);
         self.run.result.state_study(study);

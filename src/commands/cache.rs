@@ -13,7 +13,7 @@ use crate::store::{Listed, Store};
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise cache" => "lists the results that are kept",
+    "nailnoise cache" => "lists the cached results",
     "nailnoise cache verify" => "reads them all and removes damaged ones",
     "NAILNOISE_CACHE_LIMIT=10 nailnoise run my-tool.toml" => "lets them take 10 GiB",
 ))]

@@ -18,7 +18,7 @@ use crate::units::Units;
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise check my-tool.toml" => "whether it runs and drives, what is missing, and what to measure first",
-    "nailnoise check my-tool.toml --body tool" => "the mesh of a body: quality, surfaces, what a run lacks",
+    "nailnoise check my-tool.toml --body tool" => "the mesh of a body: quality, surfaces, missing inputs of a run",
     "nailnoise check my-tool.toml --drawing tool.svg" => "which key is which length: the tool drawn to scale",
     "nailnoise check housing.msh" => "a mesh of your own",
 ))]
@@ -35,7 +35,8 @@ pub(super) struct Arguments {
     json: bool,
     #[command(flatten)]
     shown: Shown,
-    /// Compute what each input does to the total level, one at a time over its range, where no study states it: minutes
+    /// If no study states it, compute the effect of each input on the total level, one at a time over its range:
+    /// minutes
     #[arg(long, conflicts_with = "body")]
     effects: bool,
 }

@@ -52,7 +52,7 @@ enum Command {
     Init(init::Arguments),
     /// Rank the sources of a design by their sound power
     Run(run::Arguments),
-    /// Run a design whenever it is saved, and show its report with what has changed in the browser
+    /// Run a design whenever it is saved, and show its report with the changes in the browser
     Watch(watch::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
@@ -60,7 +60,7 @@ enum Command {
     Declare(declare::Arguments),
     /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
     Study(study::Arguments),
-    /// Condition the ranges of a design on what was measured of the tool: depths, times, pressures, air
+    /// Condition the ranges of a design on measurements of the tool: depths, times, pressures, air
     Calibrate(calibrate::Arguments),
     /// Compute the levels over a grid of values
     Sweep(sweep::Arguments),
@@ -82,7 +82,7 @@ enum Command {
     Test(test::Arguments),
     /// Levels of the sources from the recordings of a wrapping test
     Measure(measure::Arguments),
-    /// Compute public benchmarks on this machine beside their references
+    /// Compute public benchmarks on this machine and compare them with their references
     Verify(verify::Arguments),
     /// Rename the keys of earlier versions in a design file
     Migrate(migrate::Arguments),

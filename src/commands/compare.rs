@@ -30,11 +30,11 @@ use crate::wording::order;
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise compare as-it-is.toml muffler.toml" => "what differs, and what that does to each source",
+    "nailnoise compare as-it-is.toml muffler.toml" => "the differences and their effect on each source",
     "nailnoise compare as-it-is.toml muffler.toml --draws 64" => "how sure the changes are",
     "nailnoise compare old.toml new.toml --fail-above total=100" => "status 1 if the new design is louder than 100 dB",
-    "nailnoise compare my-tool.toml --measured out/test/measurement.json" => "beside the measurements of the tool",
-    "nailnoise compare n80cb-as-tested.toml --measured n80cb" => "the tool of the program beside its published tests",
+    "nailnoise compare my-tool.toml --measured out/test/measurement.json" => "with the measurements of the tool",
+    "nailnoise compare n80cb-as-tested.toml --measured n80cb" => "the shipped tool and its published tests",
 ))]
 pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference

@@ -64,7 +64,8 @@ struct Explanation {
     effects: Effects,
     /// Inputs to measure, in descending order of effect.
     measure_first: Vec<ToMeasure>,
-    /// What to measure next by the draws of the design's study, what an hour makes narrowest first; empty without one.
+    /// Quantities to measure next, by the draws of the design's study. Those that narrow the interval most for an hour
+    /// of work are first. Empty without a study.
     measure_next: Vec<NextRow>,
     /// Estimates with their ranges, widest first, excluding those not used by this design.
     estimates: Vec<Estimate>,

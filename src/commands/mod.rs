@@ -141,7 +141,7 @@ impl Options {
     }
 }
 
-/// Units of what a command shows to people.
+/// Units of the printed output of a command.
 #[derive(Args, Clone, Copy)]
 struct Shown {
     /// Units of the terminal, of pages and of charts; JSON and CSV are in SI
@@ -160,7 +160,7 @@ impl Shown {
 /// Memory limit of a command.
 #[derive(Args)]
 struct Memory {
-    /// Most memory that one stage may need, as 8GB [default: three quarters of what is free]
+    /// Largest memory that one stage may need, such as 8GB [default: three quarters of the free memory]
     #[arg(long, value_name = "LIMIT")]
     memory: Option<MemoryLimit>,
 }
@@ -182,7 +182,7 @@ fn folder_of(out: &Path, name: &str, path: &Path) -> Result<PathBuf, Error> {
     })
 }
 
-/// The folder given by `--out`, or `out/NAME` for what the file `path` describes.
+/// The folder given by `--out`, or `out/NAME` for the subject of the file `path`.
 fn given_or_named(given: Option<&Path>, name: &str, path: &Path) -> Result<PathBuf, Error> {
     match given {
         Some(folder) => Ok(folder.to_owned()),

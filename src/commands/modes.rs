@@ -25,7 +25,7 @@ use crate::stages::bodies::Body;
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise modes my-tool.toml --body workpiece" => "all modes of the block below the top frequency",
-    "nailnoise modes my-tool.toml --body tool --mac measured.uff" => "beside the modes of a modal test",
+    "nailnoise modes my-tool.toml --body tool --mac measured.uff" => "compared with the modes of a modal test",
     "nailnoise modes my-tool.toml --body worktable --animate 1" => "a film of the first mode for ParaView",
 ))]
 pub(super) struct Arguments {

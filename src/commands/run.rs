@@ -87,7 +87,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     } = delivered;
     progress.end();
     if let Some(error) = incomplete {
-        message(&format!("the files lack the intervals of the levels: {error}"));
+        message(&format!(
+            "the files do not contain the intervals of the levels: {error}"
+        ));
     }
     if common.options.json {
         print(&artifacts.json)?;

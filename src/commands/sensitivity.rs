@@ -32,7 +32,7 @@ struct Layout<'a> {
     sensitivity: &'a Sensitivity,
 }
 
-/// What was differentiated: a design, or a tool whose file has no base design.
+/// The differentiated model: a design, or a tool whose file has no base design.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Named<'a> {

@@ -48,8 +48,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     structures: Option<u16>,
-    /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most:
-    /// order=0.05 for the probability of being first, p50=0.3 for the median of the total in dB, or both
+    /// Begin with 32 draws and double them, up to N, until half of the 90 % interval is below a limit: order=0.05 for
+    /// the probability of being first, p50=0.3 for the median of the total in dB, or both
     #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with_all = ["no_cache", "task"])]
     until: Vec<Until>,
     /// Keep the draws in this folder, which tasks on several machines may share, and not in the cache
@@ -65,8 +65,8 @@ pub(super) struct Arguments {
     /// `wood`
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     groups: bool,
-    /// State what each input does to the levels of the design itself, by two shots for each: at the 5th and the 95th
-    /// percentile of its distribution, all others as in the design
+    /// State the effect of each input on the levels of the design itself. Two shots for each input: at the 5th and the
+    /// 95th percentile of its distribution, with all others as in the design
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     one_at_a_time: bool,
     /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses
@@ -137,7 +137,7 @@ impl FromStr for Until {
             .parse()
             .ok()
             .filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
-        let limit = limit.ok_or_else(|| format!("the limit of `{what}` is no number above 0"))?;
+        let limit = limit.ok_or_else(|| format!("the limit of `{what}` is not a number above 0"))?;
         match what.trim() {
             "order" => Ok(Self::Order(limit)),
             "p50" => Ok(Self::Median(limit)),

@@ -62,7 +62,7 @@ fn of_groups(study: &GroupStudy) -> String {
         study.rows
     );
     if study.incomplete > 0 {
-        let _ = writeln!(text, "  {} draws lack a partner and are left out", study.incomplete);
+        let _ = writeln!(text, "  {} draws have no partner and are left out", study.incomplete);
     }
     for own in &study.outputs {
         let _ = writeln!(text, "\n  {}: variance {:.1} dB2", own.output, own.variance_db2);

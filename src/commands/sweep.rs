@@ -204,7 +204,7 @@ const PERFORMANCE: [&str; 4] = [
     "shots a second at most [Hz]",
 ];
 
-/// What the shot of a point has left and consumes; empty where there is no value.
+/// Reserve and consumption of the shot of a point; empty if there is no value.
 fn performance(point: &SweptPoint) -> [String; 4] {
     let own = point.performance;
     let all = [

@@ -39,7 +39,7 @@ pub(super) struct Arguments {
     /// The wraps: those of the design, or such that let nothing through and hide nothing
     #[arg(long, value_enum, default_value_t)]
     wraps: Wraps,
-    /// State what the test gives in energies, without recordings and scatter
+    /// State the results of the test in terms of energies, without recordings and scatter
     #[arg(long)]
     energies: bool,
     /// Seed of scatter and noise
@@ -205,7 +205,7 @@ fn text(result: &TestResult) -> String {
     }
     text.push_str(&table(&titles, &rows));
     text.push_str(
-        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least \
+        "\n  bare: as the nine microphones measure it alone; less residual: the result of the test;\n  least \
          squares: from all five, \
          given the losses of the wraps; bound: the total less exhaust and body\n",
     );

@@ -15,7 +15,7 @@ const SCHEMA: &str = "nailnoise-verify/1";
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise verify" => "closed forms, standards and public measurements beside computed values",
+    "nailnoise verify" => "computed values and closed forms, standards and public measurements",
     "nailnoise verify --all" => "every row of every case",
     "nailnoise verify --json" => "all rows for a script",
 ))]

@@ -43,7 +43,7 @@ pub enum ComparisonError {
         predicted: [f64; 2],
     },
     /// A file is not a result of a run.
-    #[error("{} is no result that can be compared: {reason}", path.display())]
+    #[error("cannot compare the result {}: {reason}", path.display())]
     #[diagnostic(help("give the `result.json` of this version's `nailnoise run`, or the design, which is then run"))]
     NotAResult {
         /// The file.
@@ -52,7 +52,7 @@ pub enum ComparisonError {
         reason: String,
     },
     /// The numbers of a finished result are impossible or inconsistent.
-    #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
+    #[error("cannot compare the result {}: `{at}` is {found}, expected is {expected}", path.display())]
     #[diagnostic(help(
         "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"
     ))]

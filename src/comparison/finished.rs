@@ -1,4 +1,4 @@
-//! A finished result, reduced to what a comparison needs, from a run or from its `result.json`.
+//! The part of a finished result that a comparison needs, from a run or from its `result.json`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

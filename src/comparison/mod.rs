@@ -152,7 +152,7 @@ impl std::str::FromStr for Limit {
                 of: of.to_owned(),
                 level_db,
             }),
-            _ => Err(format!("`{level}` is no level in dB")),
+            _ => Err(format!("`{level}` is not a level in dB")),
         }
     }
 }

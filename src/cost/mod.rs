@@ -239,7 +239,10 @@ pub fn refuse(design: &Design, stages: &[StageCost], limit: MemoryLimit) -> Resu
             let needs = format!("about {:.2e} GB: {}", stage.gigabytes, stage.counted());
             let allowed = match limit.given {
                 true => format!("{:.3} GB are allowed by --memory", limit.gigabytes),
-                false => format!("{:.1} GB are allowed, three quarters of what is free", limit.gigabytes),
+                false => format!(
+                    "{:.1} GB are allowed, three quarters of the free memory",
+                    limit.gigabytes
+                ),
             };
             Err(design.too_costly(stage.stage, needs, allowed, stage.keys).into())
         }
@@ -253,8 +256,8 @@ pub fn announcement(stages: &[StageCost]) -> Option<String> {
     let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;
     (total > LONG).then(|| {
         format!(
-            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the \
-             {} ({})",
+            "this takes about {:.1} hours of processor time unless it is cached from an earlier run, most of it for \
+             the {} ({})",
             total / 3600.0,
             longest.stage,
             longest.counted()

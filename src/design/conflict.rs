@@ -55,7 +55,7 @@ pub enum Conflict {
         because: &'static str,
     },
     /// Nose and magazine carry more than the total lumped mass.
-    #[error("`body.lumped_nose` ({nose}) and `body.lumped_magazine` ({magazine}) must add up to 1 at most")]
+    #[error("`body.lumped_nose` ({nose}) and `body.lumped_magazine` ({magazine}) must not add up to more than 1")]
     LumpedShares {
         /// Share on the nose \[-\].
         nose: f64,

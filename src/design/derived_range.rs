@@ -84,8 +84,8 @@ impl MergedDerived {
         self.found.retain(|own| own.solution.follower != follower);
     }
 
-    /// Adds the ranges of one file, after its other settings are merged; `ranged` are the keys for which the same file
-    /// gives a range.
+    /// Adds the ranges of one file, after its other settings are merged. The same file gives a range for the keys in
+    /// `ranged`.
     ///
     /// # Errors
     /// If a derived quantity has no follower, or its follower has a range in the same file.

@@ -135,7 +135,7 @@ pub enum Problem {
         key: String,
         /// The text at that place.
         found: String,
-        /// Description of what is allowed.
+        /// Description of the allowed values.
         expected: String,
     },
     /// A text does not begin with a number.
@@ -247,7 +247,7 @@ pub enum Problem {
         reason: String,
     },
     /// A name is not in the catalogue.
-    #[error("`{key}` is \"{found}\", which is no name that nailnoise knows")]
+    #[error("`{key}` is \"{found}\", which is not a known name")]
     UnknownName {
         /// Full name of the key.
         key: String,
@@ -504,7 +504,7 @@ impl Problem {
                  on both surfaces or none"
             ),
             Self::Cap { surface: None, .. } => {
-                "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or \
+                "the cap is the part above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or \
                  choose \"physical\", with a cover on both surfaces or none"
                     .to_owned()
             }

@@ -84,7 +84,7 @@ group! {
 }
 
 choice! {
-    /// What is fitted on the exhaust holes.
+    /// Fitting on the exhaust holes.
     FittingKind {
         /// Nothing.
         None = "none",
@@ -109,7 +109,7 @@ group! {
 }
 
 choice! {
-    /// What stands behind the exhaust holes.
+    /// Muffler behind the exhaust holes.
     MufflerKind {
         /// Nothing: the holes open into the air.
         None = "none",
@@ -146,7 +146,7 @@ group! {
 }
 
 group! {
-    /// The nail, and where it stands under the rod.
+    /// The nail and its position under the rod.
     Nail {
         /// Nail by size and shank, which sets length, diameter and head; keys beside it win. `nailnoise list nails`
         /// prints them.
@@ -218,9 +218,9 @@ group! {
     /// The block of wood that is nailed.
     Workpiece {
         ..block: dynamics::Block;
-        /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
-        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`, in a file without
-        /// names the highest and the lowest plane, or those of `surfaces.NAME`.
+        /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response. The length is centred
+        /// on x = 0, the width on y = 0, and z points up from the underside. It has the surfaces `top` and `bottom`. In
+        /// a file without names they are the highest and the lowest plane, or those of `surfaces.NAME`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -238,9 +238,9 @@ group! {
         thickness: f64 = nonnegative(LENGTH), "";
         /// Stiffness per area of the contact between the pieces.
         stiffness_per_area: f64 = positive(STIFFNESS_PER_AREA), "";
-        /// Stiffness of the nail along its axis: what the pieces resist to being pulled apart.
+        /// Stiffness of the nail along its axis, against separation of the pieces.
         axial_stiffness: f64 = positive(STIFFNESS), "";
-        /// Stiffness of the nail across its axis: what the pieces resist to slip.
+        /// Stiffness of the nail across its axis, against slip between the pieces.
         shear_stiffness: f64 = positive(STIFFNESS), "K_ser";
         /// Loss ratio of contact and nail, at `support.contact.loss_frequency`.
         loss_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "";
@@ -248,7 +248,7 @@ group! {
 }
 
 choice! {
-    /// What the workpiece stands on.
+    /// Support of the workpiece.
     SupportKind {
         /// The block stands on a worktable.
         Worktable = "worktable",
@@ -295,7 +295,7 @@ choice! {
 }
 
 group! {
-    /// What the workpiece stands on; only the group of the chosen kind takes part.
+    /// Support of the workpiece; only the group of the chosen kind has an effect.
     Support {
         /// The support.
         kind: SupportKind = SupportKind::KIND, "";
@@ -346,10 +346,10 @@ group! {
         stiffness: f64 = positive(STIFFNESS), "k_ws";
         /// Damping ratio of that spring, on the workpiece's mass.
         damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_ws";
-        /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and
-        /// `leg` and the surfaces `top` and, if it is clamped, `floor`, in a file without names the highest and the
-        /// lowest plane, or those of `surfaces.NAME`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave`
-        /// follow those of `NAME_master`.
+        /// Mesh (.msh) or geometry (.step) in place of the table, with z = 0 at its upper face. It has the parts `top`
+        /// and `leg`, the surface `top` and, if it is clamped, the surface `floor`. In a file without names the
+        /// surfaces are the highest and the lowest plane, or those of `surfaces.NAME`. Bodies meshed apart are tied:
+        /// the nodes of a surface `NAME_slave` follow those of `NAME_master`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -440,7 +440,7 @@ group! {
 }
 
 choice! {
-    /// What of the tool body sounds.
+    /// Sources of sound of the tool body.
     BodyModel {
         /// Its rigid motion and the vibration of its housing, from finite elements.
         Elastic = "elastic",
@@ -451,28 +451,30 @@ choice! {
 
 group! {
     /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the
-    /// nose's tip, the handle along +x. A rigid one takes part in `run` with its outer dimensions, the air it
-    /// displaces, alone.
+    /// nose's tip, the handle along +x. Of a rigid body, `run` uses only the outer dimensions, which give the displaced
+    /// air.
     Body {
-        /// What of it sounds: rigid motion and vibration, or rigid motion alone, a lower bound.
+        /// Its sources of sound: rigid motion and vibration, or rigid motion only, which is a lower bound.
         model: BodyModel = BodyModel::KIND, "";
         ..dimensions: nailnoise_meshes::ToolDimensions;
-        /// Whether what the geometry lacks of the tool's mass (head valve, nails, fittings) is lumped on it.
+        /// Whether the part of the tool's mass that the geometry does not include (head valve, nails, fittings) is
+        /// lumped on it.
         lumped: bool = Kind::Switch, "";
-        /// Share of the lumped mass on the nose's tip; what nose and magazine leave rests on the sleeve's seat.
+        /// Share of the lumped mass on the nose's tip. The rest, apart from the magazine's share, is on the sleeve's
+        /// seat.
         lumped_nose: f64 = fraction(), "";
         /// Share of the lumped mass on the magazine, as a solid cylinder that fills it.
         lumped_magazine: f64 = fraction(), "";
         /// Loss factor of the assembled tool's modes.
         loss_factor: f64 = fraction(), "eta";
-        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes; parts named `housing`, `nose` and
-        /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on
-        /// the surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of
+        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes. Parts named `housing`, `nose` and
+        /// `sleeve` take their materials; a mesh with a single part takes that of the housing. Masses are lumped on the
+        /// surfaces `nose_tip`, `magazine` and `seat`. The nodes of a surface `NAME_slave` follow those of
         /// `NAME_master`. Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`,
-        /// and where there are such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`. `surfaces.NAME`
-        /// gives the places of surfaces that the file does not name; in a file that names none of them, all but the
-        /// magazine are recognised by the axis x = y = 0 and the bore (`nailnoise check DESIGN --body tool` shows
-        /// them).
+        /// and gas acts on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`, if the mesh has these.
+        /// `surfaces.NAME` gives the places of surfaces that the file does not name. In a file that names none of them,
+        /// all but the magazine are recognised by the axis x = y = 0 and the bore; `nailnoise check DESIGN --body tool`
+        /// shows them.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -500,7 +502,7 @@ choice! {
 }
 
 choice! {
-    /// What the frame of the cover's foam does.
+    /// Motion of the frame of the cover's foam.
     CoverFrame {
         /// It moves with the wall, to which it is glued, as below the first resonance of its thickness.
         Moving = "moving",
@@ -537,7 +539,7 @@ choice! {
 }
 
 choice! {
-    /// What of the air's radiation impedance R + jX acts on the modes of workpiece, support and tool.
+    /// Part of the air's radiation impedance R + jX that acts on the modes of workpiece, support and tool.
     FluidLoading {
         /// Nothing: they move as in vacuum.
         None = "none",
@@ -572,8 +574,9 @@ group! {
         /// speed of sound is; above it they are solved in the mean over frequency, up to `bem_mean_max_frequency`.
         bem_max_frequency: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
         /// Upper end of the boundary elements in the mean over bands of at most a sixth of an octave, for workpiece and
-        /// tool, in the same air as `bem_max_frequency`; 0 for half an octave above the highest single frequency, which
-        /// needs no finer mesh. At least one band is solved. Above it the high-frequency limit applies.
+        /// tool, in the same air as `bem_max_frequency`. With 0 it is half an octave above the highest single
+        /// frequency, which needs no finer mesh. At least one band is solved. Above it the high-frequency limit
+        /// applies.
         bem_mean_max_frequency: f64 = nonnegative(FREQUENCY).within(0.0, 1e5), "";
         /// How the equations of boundary elements are stored and solved.
         bem_equations: BemEquations = BemEquations::KIND, "";
@@ -602,7 +605,7 @@ group! {
 choice! {
     /// Which source a part counts to.
     Convention {
-        /// By the mechanism: the exhaust is what the outflow radiates, the body all that vibrates.
+        /// By the mechanism: the exhaust is the sound of the outflow, the body that of all vibrating parts.
         Physical = "physical",
         /// As selective wrapping measures: the exhaust is the outflow with the surfaces of cap and exhaust, which lie
         /// outside the body's wrap, whatever sets them in motion.
@@ -633,7 +636,7 @@ group! {
 }
 
 group! {
-    /// What is computed: frequency ranges, meshes, steps and tolerances.
+    /// Settings of the computation: frequency ranges, meshes, steps and tolerances.
     Analysis {
         /// Lower end of the range over which sources are ranked.
         range_low: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
@@ -686,7 +689,7 @@ group! {
 group! {
     /// Virtual wrapping test of EN 12549 (`nailnoise test`). It changes no level of a run.
     Test {
-        /// Shots of each configuration; EN 12549 asks for 5.
+        /// Shots of each configuration; EN 12549 requires 5.
         repeats: u32 = Kind::Count(100), "";
         /// Sampling rate of the recordings.
         sampling_rate: f64 = positive(FREQUENCY).within(25e3, 1e6), "";
@@ -722,9 +725,9 @@ group! {
         muffler_low: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
         /// Insertion loss of the muffler from 400 Hz on, in dB.
         muffler_high: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
-        /// What the body's wrap, tight on the exhaust, takes from the bare exhaust, in dB.
+        /// Loss of the bare exhaust through the body's wrap, which is tight on the exhaust, in dB.
         exhaust_mask: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
-        /// What the body's wrap, down over the nose, takes from the bare workpiece, in dB.
+        /// Loss of the bare workpiece through the body's wrap, which reaches down over the nose, in dB.
         workpiece_mask: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
         /// Mass of the body's wrap.
         mass: f64 = nonnegative(MASS).within(0.0, 50.0), "";

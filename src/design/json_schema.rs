@@ -132,7 +132,7 @@ fn study() -> Value {
     let band = json!({"type": "string", "pattern": "^.*\\.\\..*dB\\s*$"});
     json!({
         "type": "object",
-        "description": "What a study of the design draws beside its ranges, and which shots count.",
+        "description": "Quantities that a study draws in addition to the ranges of the design, and shots that count.",
         "properties": {
             "require": requirement(&json!({"type": "string"})),
             "screening": {"type": "integer", "minimum": 0, "maximum": 8,
@@ -163,7 +163,7 @@ fn head_of_report() -> Value {
         |(key, description): (&str, &str)| (key.to_owned(), json!({"type": "string", "description": description}));
     json!({
         "type": "object",
-        "description": "What the head of the report says beside the design. No result depends on it.",
+        "description": "Texts in the head of the report in addition to the design. No result depends on them.",
         "properties": report::KEYS.into_iter().map(text).collect::<Map<_, _>>(),
         "additionalProperties": false,
     })

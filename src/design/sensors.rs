@@ -6,7 +6,7 @@ use nailnoise_quantities::{any, choice, component, group, positive};
 use super::show::{Short, mm};
 
 choice! {
-    /// What a sensor is fixed to.
+    /// Body that carries a sensor.
     Carrier {
         /// The block of wood.
         Workpiece = "workpiece",
@@ -20,11 +20,11 @@ choice! {
 }
 
 group! {
-    /// An accelerometer. It has no effect on what it is fixed to, and none while the design lacks its body. The origin
-    /// is the centre of the workpiece's underside, x along its length, y along its width, z up; on the tool it is the
-    /// nose's tip, x along the handle, z up.
+    /// An accelerometer. It does not change the vibration of its body. It is ignored if the design does not have that
+    /// body. The origin is the centre of the workpiece's underside, x along its length, y along its width, z up; on the
+    /// tool it is the nose's tip, x along the handle, z up.
     Sensor {
-        /// What it is fixed to.
+        /// The body it is fixed to.
         body: Carrier = Carrier::KIND, "";
         /// Position along the workpiece's length, or along the tool's handle.
         x: f64 = any(LENGTH), "x";

@@ -21,7 +21,7 @@ pub enum SetError {
         nearest: Option<String>,
     },
     /// The key expects another kind of value.
-    #[error("`{key}` cannot be {value:?}: it holds {expected}")]
+    #[error("`{key}` cannot be {value:?}: expected is {expected}")]
     WrongKind {
         /// Full name of the key.
         key: String,

@@ -414,7 +414,7 @@ impl Field<'_> {
                 let path = self.file.beside(name);
                 let reason = match std::fs::metadata(&path) {
                     Ok(data) if data.is_file() => None,
-                    Ok(_) => Some("it is no regular file".to_owned()),
+                    Ok(_) => Some("it is not a regular file".to_owned()),
                     Err(source) => Some(source.to_string()),
                 };
                 if let Some(reason) = reason {
@@ -493,7 +493,7 @@ impl Field<'_> {
             Kind::Quantity { dimension, gauge, .. } => self.range_of(value, dimension, gauge),
             Kind::Count(_) => self.range_of(value, NUMBER, false),
             Kind::Switch | Kind::Choice(_) | Kind::File => {
-                Err(self.wrong_kind(value, "without a range: it is no quantity".to_owned()))
+                Err(self.wrong_kind(value, "without a range: it is not a quantity".to_owned()))
             }
         }
     }
@@ -537,7 +537,7 @@ impl Field<'_> {
         spec: &KeySpec,
     ) -> Result<(Distribution, Box<Place>), DesignError> {
         if !matches!(spec.kind, Kind::Quantity { .. } | Kind::Count(_)) {
-            return Err(self.wrong_kind(value, "without a distribution: it is no quantity".to_owned()));
+            return Err(self.wrong_kind(value, "without a distribution: it is not a quantity".to_owned()));
         }
         self.distribution_of(value)
     }

@@ -4,7 +4,7 @@ use nailnoise_quantities::dimension::{DAMPING, LENGTH, STIFFNESS};
 use nailnoise_quantities::{any, choice, group, nonnegative};
 
 choice! {
-    /// What a spring holds.
+    /// Body on a spring.
     Sprung {
         /// The block of wood.
         Workpiece = "workpiece",
@@ -14,12 +14,12 @@ choice! {
 }
 
 group! {
-    /// Springs with dashpots beside them between a point of a body and the ground, one along each axis: a rubber foot,
-    /// a strap, a beam of another machine. They push and pull, and their dashpots act in full, not as damping of modes.
-    /// None has an effect while the design lacks its body. The origin is the centre of the workpiece's underside, x
+    /// Springs with parallel dashpots between a point of a body and the ground, one along each axis: a rubber foot, a
+    /// strap, a beam of another machine. They push and pull, and their dashpots act in full, not as damping of modes. A
+    /// spring is ignored if the design does not have its body. The origin is the centre of the workpiece's underside, x
     /// along its length, y along its width, z up.
     Spring {
-        /// What it holds.
+        /// The body it is attached to.
         body: Sprung = Sprung::KIND, "";
         /// Position along the workpiece's length.
         x: f64 = any(LENGTH), "x";

@@ -35,7 +35,7 @@ fn nearest(names: &[String], full: &str) -> Option<String> {
     if let Some(same) = names.iter().find(|name| last(name) == own) {
         return Some(same.clone());
     }
-    // A typing error in the last part counts only within the same group, where it is unambiguous.
+    // A typing error in the last part counts only within the same group, because it is unambiguous there.
     let group = full.strip_suffix(&own).unwrap_or("");
     let beside = names
         .iter()

@@ -64,7 +64,7 @@ impl ToolOutcomes {
     }
 }
 
-/// What a requirement consists of.
+/// Parts of a requirement.
 pub(super) const OUTCOME: &str = "as an outcome of the tool, or a list of outcomes";
 
 /// An outcome that a file requires.

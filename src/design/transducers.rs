@@ -15,7 +15,7 @@ choice! {
 }
 
 group! {
-    /// A piezoelectric pressure transducer. It has no effect on the tool. It reads no static pressure: 0 stands for the
+    /// A piezoelectric pressure transducer. It has no effect on the tool. It does not measure static pressure: 0 is the
     /// pressure before the shot, and its charge leaks.
     Transducer {
         /// Where it is.

@@ -13,7 +13,7 @@ use crate::wording::rounded;
 pub struct Label {
     /// Full name.
     pub key: String,
-    /// Symbol; empty where there is none.
+    /// Symbol; may be empty.
     pub symbol: &'static str,
     /// Value with its unit.
     pub value: String,

@@ -14,7 +14,7 @@ use crate::wording::unit_of_figure;
 /// The outcome of the shot in a constraint.
 const OUTCOME: &str = "outcome";
 
-/// Excess of a shot that has another outcome or lacks the figure. The excess of a shot with the required outcome is
+/// Excess of a shot with another outcome or without the figure. The excess of a shot with the required outcome is
 /// smaller.
 const MISSED: f64 = 1.0;
 

@@ -33,7 +33,7 @@ pub enum OptimisationError {
         problem: String,
     },
     /// A text that is not a constraint.
-    #[error("`{text}` is no constraint: {problem}")]
+    #[error("`{text}` is not a constraint: {problem}")]
     #[diagnostic(help(
         "give FIGURE >= VALUE or FIGURE <= VALUE, as in \"penetration >= 80 mm\" or \"exhaust <= 92 dB\", or \
          \"outcome == drives\""

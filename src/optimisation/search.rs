@@ -83,8 +83,8 @@ impl Optimisation {
 ///
 /// A shot that violates a constraint does not count as a trial; a search ends after `CANDIDATES_A_TRIAL` candidates
 /// for each trial. Results are in the store of the graph, so that repeating the request resumes an interrupted search.
-/// `fill` may compute the levels of designs, given as assignments, elsewhere and add them to that store before they are
-/// needed here.
+/// The callback `fill` receives designs as assignments. It may compute their levels elsewhere and add them to that
+/// store before they are needed here.
 ///
 /// # Errors
 /// If no design can have the values, or a constraint refers to something that does not exist; the errors of the design

@@ -98,7 +98,7 @@ impl Varied {
         let (high, log) = match rest.split_once(':') {
             None => (rest, false),
             Some((high, "log")) => (high, true),
-            Some((_, scale)) => return Err(bad(format!("`{scale}` is no scale; `log` is one")).into()),
+            Some((_, scale)) => return Err(bad(format!("`{scale}` is not a scale; `log` is one")).into()),
         };
         let ((low, unit_of_low), (high, unit)) =
             (number_and_unit(low).map_err(bad)?, number_and_unit(high).map_err(bad)?);

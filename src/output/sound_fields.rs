@@ -26,8 +26,8 @@ struct Index {
     series: Vec<String>,
 }
 
-/// Writes the sound fields of a design to `folder/fields`, replacing any that are there: for each series, `NAME.pvd`
-/// and the `.vtu` of each band; and `sound.json`, which lists the series.
+/// Writes the sound fields of a design to `folder/fields`, replacing any that are there. Each series has `NAME.pvd` and
+/// a `.vtu` for each band; `sound.json` lists the series.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.

@@ -13,8 +13,8 @@ const BLOCK: usize = 128;
 /// Maximum length of a number with nine digits, including sign and comma \[byte\].
 const WIDTH: usize = 18;
 
-/// A table of text. Fields with commas are quoted, and a text that a spreadsheet would take for a formula is preceded
-/// by an apostrophe, which marks it as text.
+/// A table of text. Fields with commas are quoted. An apostrophe before a text that a spreadsheet would take for a
+/// formula marks it as text.
 ///
 /// # Errors
 /// [`Error::Table`] if the length of a row differs from that of the header.
@@ -69,8 +69,8 @@ pub(super) fn stride(interval: f64, exports: Exports) -> usize {
     if exports.histories { 1 } else { coarse(interval) }
 }
 
-/// A long table of numbers: for every `stride`-th row, an abscissa with a fixed number of decimals, then a value of
-/// each column with a fixed number of digits after the first.
+/// A long table of numbers with every `stride`-th row. The abscissa has a fixed number of decimals, and the values of
+/// the columns have a fixed number of digits after the first.
 ///
 /// # Errors
 /// [`Error::Table`] if the header does not name each column.

@@ -117,7 +117,7 @@ pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
         if headings[..place].contains(heading) {
             return Err(data(
                 table.line,
-                format!("the column \"{heading}\" stands in it twice"),
+                format!("it has two columns \"{heading}\""),
                 "keep one of them".to_owned(),
             ));
         }
@@ -188,7 +188,7 @@ pub fn check(rows: &[Row]) -> Result<(), PenetrationError> {
         };
         if !ids.insert(&row.id) {
             return Err(data(
-                format!("the drive \"{}\" stands in the data twice", row.id),
+                format!("the drive \"{}\" is in the data twice", row.id),
                 "give every drive an id of its own",
             ));
         }

@@ -248,9 +248,9 @@ fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
         );
     }
     if drives.len() < 2 {
-        notes.push("one drive: the standard errors do not hold what differs between specimens".to_owned());
+        notes.push("one drive: the standard errors do not include the differences between specimens".to_owned());
     } else if file.counts.groups == file.counts.drives {
-        notes.push("no condition is repeated: sigma_b holds the error of the form too".to_owned());
+        notes.push("no condition is repeated: sigma_b also includes the error of the form".to_owned());
     }
     if drives.iter().any(|drive| drive.wood.contains("ply")) && drives.iter().any(|drive| !drive.wood.contains("ply")) {
         notes.push("the data mix plywood and solid wood".to_owned());

@@ -35,7 +35,7 @@ pub fn machine(path: &Path) -> Result<(Machine, Option<FittedLaw>), PenetrationE
         if group == FIT {
             let name = values
                 .as_str()
-                .ok_or_else(|| file.error(FIT, "it is no text".to_owned(), "name a file in quotes"))?;
+                .ok_or_else(|| file.error(FIT, "it is not text".to_owned(), "name a file in quotes"))?;
             fit = Some(fitted(
                 &path.parent().unwrap_or_else(|| Path::new("")).join(PathBuf::from(name)),
             )?);
@@ -145,7 +145,7 @@ impl File<'_> {
                 match u32::try_from(*integer).ok().filter(|count| (1..=most).contains(count)) {
                     Some(count) => Ok(Value::Count(count)),
                     None => refuse(
-                        format!("{integer} is no count"),
+                        format!("{integer} is not a count"),
                         format!("give a whole number from 1 to {most}"),
                     ),
                 }

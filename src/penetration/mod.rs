@@ -85,7 +85,7 @@ pub enum PenetrationError {
         source: FitError,
     },
     /// A file that does not contain a fitted law.
-    #[error("{}{} holds no fitted law: {problem}", path.display(),
+    #[error("{}{} contains no fitted law: {problem}", path.display(),
         line.map_or_else(String::new, |line| format!(", line {line},")))]
     #[diagnostic(help("make it with `nailnoise penetration fit`"))]
     Law {
@@ -115,7 +115,7 @@ pub enum PenetrationError {
         range: [f64; 2],
     },
     /// A file that does not contain a law.
-    #[error("{} holds no penetration law", path.display())]
+    #[error("{} contains no penetration law", path.display())]
     #[diagnostic(help("a line has a depth in m and a force in N; depths increase from 0"))]
     Table {
         /// The file.

@@ -72,7 +72,7 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
         p.quiet {
             "Absolute levels are predictions; the page Validation of the documentation compares those of one tool with \
              published tests. Differences between designs of one tool are more reliable than levels. "
-            a href="#assumptions" { "Assumptions" } " lists what is estimated."
+            a href="#assumptions" { "Assumptions" } " lists the estimated values."
         }
         @if numerical_failure {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
@@ -116,7 +116,7 @@ fn silencing(result: &RunResult, source: &RankedSource) -> String {
 const ACTION_DB: f64 = 85.0;
 const DAY: f64 = 28_800.0;
 
-/// What a decibel is, and what the level at the ear means for a working day.
+/// Meaning of a decibel, and of the level at the ear for a working day.
 fn in_words(result: &RunResult) -> String {
     let day = result.ear.lpa_1s_db.map_or_else(String::new, |level| {
         let shots = DAY * 10f64.powf(0.1 * (ACTION_DB - level));
@@ -208,7 +208,8 @@ fn given(design: &Design) -> Markup {
     html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
 }
 
-/// The name that a key selects, followed by a separator; empty if the design lacks the key or no name is chosen.
+/// The name that a key selects, followed by a separator; empty if the design does not have the key or no name is
+/// chosen.
 fn named(design: &Design, key: &str) -> String {
     let entry = design.entries().into_iter().find(|entry| entry.key == key);
     match entry.map(|entry| entry.value) {

@@ -20,9 +20,9 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
         Section::new("open", "What stays open", open(comparison)),
     ];
     Page {
-        title: "measured beside predicted".to_owned(),
+        title: "measured and predicted".to_owned(),
         compared: None,
-        heading: "Measured beside predicted".to_owned(),
+        heading: "Measured and predicted".to_owned(),
         lead: html! {
             p { (comparison.tool) ". " (comparison.source) }
             ul { @for own in &comparison.designs { li { "predicted by " b { (own.name) } ", " (own.draws)

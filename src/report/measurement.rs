@@ -54,7 +54,7 @@ fn name(manifest: &str) -> String {
     parts[parts.len().saturating_sub(2)..].join("/")
 }
 
-/// The level with nothing wrapped, the sources from the loudest, and what a reader must know.
+/// The level with nothing wrapped, the sources from the loudest, and the notes.
 fn lead(result: &MeasurementResult) -> Markup {
     let total = result
         .configurations

@@ -99,7 +99,7 @@ fn radiation(own: &RadiationReport) -> Markup {
     }
 }
 
-/// What the reaction of the air on the modes changes.
+/// Effect of the reaction of the air on the modes.
 fn loading(own: &FluidLoading) -> [(&'static str, String); 4] {
     let acts = match own.acts {
         Loading::None => "none",

@@ -76,7 +76,7 @@ fn lead(result: &StudyResult) -> Markup {
         }
         p.quiet { (result.draws) " draws, " (structures) ", seed " (result.seed)
             ". Beside each estimate: half of its 90 % interval over resampled draws. "
-            a href="#notes" { "Notes" } " says what the draws leave out." }
+            a href="#notes" { "Notes" } " lists the uncertainties that the draws do not include." }
     }
 }
 
@@ -173,7 +173,7 @@ fn groups(study: &GroupStudy) -> Markup {
         h3 { "Groups of inputs" }
         p.quiet { (study.rows) " draws with two partners for each group. First-order index: part of the variance that \
             knowing the group takes off. Total index: part that remains where all else is known."
-            @if study.incomplete > 0 { " " (study.incomplete) " draws lack a partner and are left out." } }
+            @if study.incomplete > 0 { " " (study.incomplete) " draws have no partner and are left out." } }
         @for own in &study.outputs {
             h3 { (own.output) ", variance " (format!("{:.1}", own.variance_db2)) " dB\u{b2}" }
             (table::markup(&tables::groups(study, own)))

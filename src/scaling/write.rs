@@ -61,7 +61,7 @@ fn head(tool: &Tool) -> String {
         "# A {}, scaled from the N80CB\n\
          # by the rules of `nailnoise init --like` (docs/own-tool.md). Every value below has a range and says where \
          it comes\n\
-         # from; \"scaled\" are those of the rules. What is not below is that of the base. Replace what you know, in \
+         # from; \"scaled\" are those of the rules. All other values are those of the base. Replace what you know, in \
          the order\n\
          # of docs/own-tool.md.\n\
          # Magazine: {}. The model has a round one for every tool.\n\n\
@@ -89,7 +89,7 @@ impl File<'_> {
     fn number(&self, key: &str) -> Result<f64, ScalingError> {
         match self.entry(key)?.value {
             Value::Number(number) => Ok(number),
-            _ => Err(broken(format!("{key} is no number"))),
+            _ => Err(broken(format!("{key} is not a number"))),
         }
     }
 
@@ -105,7 +105,7 @@ impl File<'_> {
             return Err(broken(format!("there is no key {key}")));
         };
         let Kind::Quantity { dimension, .. } = spec.kind else {
-            return Err(broken(format!("{key} is no quantity")));
+            return Err(broken(format!("{key} is not a quantity")));
         };
         let [value, low, high] = [value, range[0], range[1]].map(|x| quantity_in_words(x, dimension));
         let (number, unit) = low.split_once(' ').unwrap_or((&low, ""));

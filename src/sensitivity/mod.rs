@@ -125,11 +125,11 @@ pub enum End {
     Failed(String),
 }
 
-/// Sensitivity of `outputs` to every key of the cycle in `design` that has a range, or to those of them in `keys`, for
-/// the tool described by keys.
+/// Sensitivity of `outputs` to the keys of the cycle in `design` that have a range, for a tool described by keys. If
+/// `keys` are given, only these are varied.
 ///
 /// # Errors
-/// [`Error::Cycle`] if the design itself cannot be computed, [`Error::NoSuchParameter`] for the first of `keys` that is
+/// [`Error::Cycle`] if the design itself cannot be computed. [`Error::NoSuchParameter`] for the first of `keys` that is
 /// not a parameter.
 pub fn sensitivity(
     design: &Design,
@@ -141,10 +141,10 @@ pub fn sensitivity(
 }
 
 /// The same for the assembly of a design: sensitivity of the figures of these names to its literals and to the keys
-/// that its formulas use; `None` for a design without an assembly.
+/// that its formulas use. `None` for a design without an assembly.
 ///
 /// # Errors
-/// [`Error::Network`] if the assembly itself cannot be computed, [`Error::NoSuchOutput`] as [`AssemblyOutput::choose`],
+/// [`Error::Network`] if the assembly itself cannot be computed. [`Error::NoSuchOutput`] as [`AssemblyOutput::choose`],
 /// [`Error::NoSuchParameter`] as [`sensitivity`].
 pub fn sensitivity_of_assembly(
     design: &Design,
@@ -164,7 +164,7 @@ pub fn sensitivity_of_assembly(
     rank(&subject, keys, progress).map(Some)
 }
 
-/// The figures of a design's assembly with these names or in these groups, as [`AssemblyOutput::choose`]; `None` for a
+/// The figures of a design's assembly with these names or in these groups, as [`AssemblyOutput::choose`]. `None` for a
 /// design without an assembly.
 ///
 /// # Errors

@@ -33,8 +33,8 @@ pub struct DrawnKey {
 }
 
 impl DrawsAtHand {
-    /// The draws of the largest study that applies to a design, in the store or in the program; none without a study,
-    /// with draws that have to be weighted, or with fewer than percentiles need.
+    /// The draws of the largest study that applies to a design, in the store or in the program. There are none without
+    /// a study, if the draws have to be weighted, or if they are too few for percentiles.
     ///
     /// # Errors
     /// If a design cannot be digested, or a provided study does not follow its layout.

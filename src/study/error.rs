@@ -18,7 +18,7 @@ pub enum StudyError {
         reason: String,
     },
     /// Levels of a draw that another process should have computed.
-    #[error("its levels are not kept")]
+    #[error("its levels are not stored")]
     LevelsNotKept,
     /// No candidate of a study is a design whose shot counts.
     #[error(
@@ -101,7 +101,7 @@ pub enum StudyError {
         help: &'static str,
     },
     /// The values of a draw conflict.
-    #[error("the values drawn are no design: {reason}")]
+    #[error("the drawn values are not a valid design: {reason}")]
     NoDesign {
         /// The conflicting keys, or the fault of one of them.
         reason: String,

@@ -1,7 +1,7 @@
 //! Contributions of groups of inputs to the variance of a level, from pairs of draws that share a part of their inputs.
 //!
 //! Y and Y' have the same distribution. If they share only the inputs of a group and are independent otherwise, E (Y -
-//! Y')^2/2 = E Var(Y|X_g), so that S_g = 1 - E (Y - Y')^2/(2 Var Y): the reduction of the variance if the group is
+//! Y')^2/2 = E Var(Y|X_g). The index S_g = 1 - E (Y - Y')^2/(2 Var Y) is the reduction of the variance if the group is
 //! known. If they share all but the group, E (Y - Y')^2/(2 Var Y) = E Var(Y|X_~g)/Var Y = T_g: the remaining variance
 //! if all but the group is known (Jansen, "Analysis of variance designs for model output", Comput. Phys. Commun. 117,
 //! 35 (1999)).

@@ -212,8 +212,9 @@ impl Parameter {
 
 /// The keys of the cycle that have a range, in the order of the reference.
 ///
-/// A key belongs to the cycle if setting it changes the cycle's parameters. Keys that are used only by the chosen form
-/// of the physics do not show this, so that keys of other forms are included; they have no effect on the cycle.
+/// A key belongs to the cycle if setting it changes the cycle's parameters. The parameters do not show which form of
+/// the physics uses a key. Keys of other forms than the chosen one are therefore included; they have no effect on the
+/// cycle.
 ///
 /// # Errors
 /// If the values of the design do not yield valid inputs.

@@ -99,8 +99,9 @@ impl ProvidedStudy {
         Ok(serde_json::to_string(&value).map_err(Error::Json)? + "\n")
     }
 
-    /// The provided study that applies to a design. This is the study of a shipped design with the same values, or with
-    /// other values of drawn quantities but the same distributions, or one whose weighted draws are worth enough.
+    /// The provided study that applies to a design. It is the largest study of a shipped design that has the same
+    /// values, has the same distributions with other values of drawn quantities, or has a sufficient effective number
+    /// of weighted draws.
     ///
     /// # Errors
     /// If a design cannot be digested, or a file does not follow the layout.

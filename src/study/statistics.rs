@@ -1,9 +1,9 @@
 //! Quantiles, probabilities of orders and losses of decisions from draws, each with its bootstrap interval.
 //!
 //! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate linearly between adjacent
-//! ones, at the position p (n + 1): a further draw is lower with the probability p, whatever the distribution (type 6
-//! of Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)). Those of
-//! resamples are of type 7.
+//! ones, at the position p (n + 1). A further draw is then lower with the probability p, whatever the distribution.
+//! This is type 6 of Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361
+//! (1996). Those of resamples are of type 7.
 
 use std::collections::BTreeMap;
 

@@ -90,7 +90,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
     let log = match parts.next().map(str::trim) {
         None => false,
         Some("log") => true,
-        Some(other) => return Err(format!("`{other}` is no spacing; `log` is one")),
+        Some(other) => return Err(format!("`{other}` is not a spacing; `log` is one")),
     };
     let ((from, unit_of_low), (to, unit)) = (number(low)?, number(high)?);
     if !unit_of_low.is_empty() && unit_of_low != unit {
@@ -176,8 +176,8 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
 /// over common draws of all points. Points with conflicting values are rejected with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; no key, or the same key twice; a point that needs more memory than allowed;
-/// a grid with too many points.
+/// A key or value that no design can have. No key, or the same key twice. A point that needs more memory than allowed.
+/// A grid with too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),

@@ -7,9 +7,9 @@ use crate::design::Value;
 use crate::error::Error;
 use crate::output;
 
-/// The draws as CSV and as HDF5, where each column is a data set: structure and candidate of each draw, levels
-/// including the errors of methods \[dB re 1 pW s\], these errors \[dB\], figures of the shot, then the variables in SI
-/// units; empty if fixed.
+/// The draws as CSV and as HDF5, where each column is a data set. The columns are structure and candidate of each draw,
+/// levels including the errors of methods \[dB re 1 pW s\], these errors \[dB\], figures of the shot, and the variables
+/// in SI units. Fields of fixed variables are empty.
 ///
 /// # Errors
 /// [`Error::Table`] if rows differ in length; [`Error::Hdf5`].

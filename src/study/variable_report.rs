@@ -14,7 +14,7 @@ use crate::design::{Alternative, Value};
 pub struct VariableReport {
     /// Key, name of alternatives, or `method.SOURCE`.
     pub name: String,
-    /// What it changes: `shot`, `structure` or `method`.
+    /// The part it changes: `shot`, `structure` or `method`.
     pub scope: String,
     /// SI unit; empty if it has none.
     pub unit: String,

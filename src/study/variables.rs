@@ -14,7 +14,7 @@ use crate::graph::Graph;
 use crate::model::sources;
 use crate::stages::Digest;
 
-/// What a variable affects.
+/// Part that a variable affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {

@@ -96,7 +96,8 @@ impl Comparison {
         Table::new(self.columns("place", |name| Column::short(name)), rows)
     }
 
-    /// What the designs achieve and consume: what quieting costs. None where no result states it.
+    /// Performance and consumption of the designs, which show the cost of noise reduction. None if no result states
+    /// them.
     pub(crate) fn performance_table(&self) -> Option<Table> {
         let figures: Vec<_> = self
             .performance
@@ -113,7 +114,7 @@ impl Comparison {
                 .chain(figures.iter().map(value))
                 .collect()
         });
-        let columns = self.columns("what the shot has left and consumes", |name| Column::number(name));
+        let columns = self.columns("reserve and consumption of the shot", |name| Column::number(name));
         Some(Table::new(columns, rows))
     }
 

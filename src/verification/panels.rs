@@ -65,8 +65,8 @@ pub(super) fn sphere(rings: usize, around: usize) -> BoundaryMesh {
     points.mesh(panels)
 }
 
-/// A quarter of a unit disc in the plane z = 0 between the planes x = 0 and y = 0, normals along z: n² curved triangles
-/// that become narrow towards the rim, where the velocity of the fluid has a root singularity.
+/// A quarter of a unit disc in the plane z = 0 between the planes x = 0 and y = 0, normals along z. Its n² curved
+/// triangles become narrow towards the rim, where the velocity of the fluid has a root singularity.
 pub(super) fn quarter_disc(n: usize) -> BoundaryMesh {
     let mut points = Points::default();
     let mut at = |[u, v]: [usize; 2]| {

@@ -40,7 +40,7 @@ pub(super) fn page(board: &Board) -> String {
                     form #sliders hidden aria-label="values of the design" {}
                 }
                 main #report { noscript { p { a href="report" { "The report of the last run" }
-                    ", without what follows a save." } } }
+                    ", without updates after a save." } } }
             }
         }
     }

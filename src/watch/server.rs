@@ -5,7 +5,7 @@
 //! has not yet shown the token is a stranger. The number and duration of strangers' connections are limited separately
 //! from those of windows: if there are too many, the oldest is closed. Heads are parsed by `httparse`.
 //!
-//! The complete servers that were considered do not give these guarantees, because they do not let the caller reach a
+//! The complete servers that were considered do not give these guarantees. They do not let the caller reach a
 //! connection before its request is complete:
 //!
 //! - `tiny_http` 0.12 sets no time limit for reading or writing, and has no maximum for the length of a head or the

@@ -170,7 +170,7 @@ fn stages_use_neither_store_nor_graph_nor_commands() {
             let design = first == "design" && item.name.as_deref() == Some("Design");
             assert!(!design, "{file} takes a whole design");
         }
-        // `stages` re-exports what they may use of the pipeline: neither graph nor store.
+        // `stages` re-exports the part of the pipeline that they may use: neither graph nor store.
         let gathers = module.len() == 1;
         let pipeline = program.foreign(module).iter().any(|name| name == "nailnoise_pipeline");
         assert!(gathers || !pipeline, "{file} uses the pipeline directly");

@@ -1,4 +1,4 @@
-//! The modules of a crate and the arrows between its files: from each file to those that define what it names.
+//! The modules of a crate and the arrows between its files: from each file to those that define the names it uses.
 //!
 //! Items are followed through re-exports to the file that defines them, so that a `mod.rs` that only gathers its folder
 //! has no arrows to it. Names are read in `use` items, in paths of types, expressions and patterns, and in the
@@ -28,7 +28,7 @@ pub(crate) struct Crate {
     modules: BTreeMap<Names, Unit>,
 }
 
-/// What a module names.
+/// Names that a module uses.
 #[derive(Default)]
 struct Unit {
     /// Its file, from the folder of the sources.

@@ -177,7 +177,7 @@ fn an_optimisation_that_runs_out_of_time_leaves_straight_sides_and_is_reported()
         assert!(said(&limited).contains(words), "{}", said(&limited));
         assert!(!said(&own).contains(words), "{}", said(&own));
     }
-    // What it leaves is a mesh without folded elements.
+    // The result is a mesh without folded elements.
     let check = nailnoise(&["mesh", &at("limited.msh")]);
     assert!(check.status.success(), "{}", said(&check));
 }

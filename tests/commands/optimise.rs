@@ -31,12 +31,12 @@ fn optimise(folder: &Path, cache: &str, more: &[&str]) -> Command {
     command
 }
 
-/// The candidates, without what depends on the folder.
+/// The candidates, without the parts that depend on the folder.
 fn trials(output: &Output) -> Value {
     json(output)["trials"].clone()
 }
 
-/// What is found can be run as it was written, and has the level that was stated.
+/// A design that was found can be run as it was written, and has the level that was stated.
 #[test]
 fn the_best_design_runs_and_is_the_quietest_that_meets_the_constraint() {
     let folder = folder("optimise/best");

@@ -122,7 +122,7 @@ fn damaged_lists_of_drives_are_refused() {
         (
             "column-twice",
             ["group,repeat", "group,group"],
-            ["line 1", "stands in it twice"],
+            ["line 1", "it has two columns \"group\""],
         ),
         ("no-id", ["id,group", "repeat,group"], ["line 1", "help"]),
         (
@@ -143,7 +143,7 @@ fn damaged_lists_of_drives_are_refused() {
         (
             "id-twice",
             [row, &of("a2", "a1")],
-            ["line 3: the drive \"a1\" stands in the data twice", "an id of its own"],
+            ["line 3: the drive \"a1\" is in the data twice", "an id of its own"],
         ),
         (
             "drive-3",

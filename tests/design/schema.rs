@@ -1,4 +1,5 @@
-//! The JSON schema of the design file accepts every shipped design and assembly, and refuses what the reader refuses.
+//! The JSON schema of the design file accepts every shipped design and assembly, and refuses the files that the reader
+//! refuses.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -138,7 +139,7 @@ fn violation(root: &Value, schema: &Value, value: &Value, path: &str) -> Option<
     None
 }
 
-/// What the schema refuses in a file; nothing if it accepts the file.
+/// The part of a file that the schema refuses; nothing if it accepts the file.
 fn refused(text: &str) -> Option<String> {
     let schema = json_schema();
     let value: toml::Table = toml::from_str(text).unwrap();

@@ -16,9 +16,9 @@ const TRANSITION: f64 = 1.0 / 6.0;
 ///
 /// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end. The gas
 /// of the outflow fills the pipe and the near field of its mouth, as it leaves there as a jet. The far field is the
-/// ambient air. The impedance of the end over rho c/S of the outflow's gas combines three parts: the reactance x of
-/// [`OpenEnd`] in that gas, the resistance r of [`OpenEnd`] in the ambient air, and M of the jet p = rho U^2/2, which
-/// absorbs and does not radiate.
+/// ambient air. The impedance of the end, over rho c/S of the outflow's gas, has three parts. The reactance x of
+/// [`OpenEnd`] is that in this gas, its resistance r that in the ambient air. The jet, p = rho U^2/2, adds the
+/// resistance M, which absorbs and does not radiate.
 ///
 /// ```text
 /// k = 2 pi f/c, k0 = 2 pi f/c0                    z = (rho0 c0/rho c) r(k0 a) + j x(k a) + M

@@ -40,8 +40,8 @@ impl BandLosses {
     /// without gaps.
     ///
     /// # Errors
-    /// [`MufflerError::Bands`] if there are no bands, or if they have gaps or are not in order; also for values that
-    /// are not finite.
+    /// [`MufflerError::Bands`] if there are no bands, or if they have gaps or are not in order. It also reports values
+    /// that are not finite.
     pub fn new(bands: &[(f64, f64)]) -> Result<Self, MufflerError> {
         let decibels: Vec<f64> = bands.iter().map(|band| band.1).collect();
         finite("insertion loss", &decibels)?;

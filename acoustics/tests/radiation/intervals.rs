@@ -96,7 +96,8 @@ fn intervals_of_the_erp_sum_to_its_energy() {
 
 #[test]
 fn erp_over_time_is_the_impedance_times_velocity_squared() {
-    // A piston whose tone the A-weighting only scales.
+    // A piston that emits a tone burst. Its bandwidth is so small that A-weighting only multiplies the signal by a
+    // factor.
     let surface = flat(rectangle([0.0, 0.2], [0.0, 0.1], 2, 2), &[&|_, _| 1.0]);
     let air = Air::default();
     let erp = Erp::new(&surface, &air);

@@ -1,4 +1,4 @@
-//! Laws of the sampler: what must not change its result, and what must.
+//! Laws of the sampler: changes of the input that must not affect its result, and changes that must.
 
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::Prediction;

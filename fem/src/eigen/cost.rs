@@ -25,8 +25,8 @@ pub struct ModalCost {
 impl ModalCost {
     /// Estimates the cost of all modes below `hz` of a mesh with one material per part and this mesh quality.
     ///
-    /// The number of modes is the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates
-    /// (Courant and Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of
+    /// The number of modes is the larger of two leading terms. For solids it is N = V w^3 / (6 pi^2) sum 1/c^3 (Dupuis,
+    /// Mazo and Onsager 1960). For plates it is N = A w sqrt(12)/(4 pi c_P t) (Courant and Hilbert). With n degrees of
     /// freedom and nested dissection, the factor L has 28 n^(4/3) values for a compact body and 28 n lg2 n for thin
     /// walls; Lanczos needs s = 4 N solves and stores as many vectors. The operations are 6 L^2/n for two factors, 4 L
     /// s for the solves, and 4 n s^2 for orthogonalising the vectors. Mirror planes divide n and N by the number of

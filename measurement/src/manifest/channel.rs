@@ -163,7 +163,7 @@ fn kind(table: &Keys<'_, '_>, name: &str) -> Result<Kind, KeyError> {
             Err(table.wrong(
                 "",
                 table.span(),
-                "is no microphone of EN 12549".to_owned(),
+                "is not a microphone of EN 12549".to_owned(),
                 help.to_owned(),
             ))
         };
@@ -185,7 +185,7 @@ fn selector(table: &Keys<'_, '_>) -> Result<Selector, KeyError> {
     match (number, table.text("column", "\"N [g]\"")?) {
         (Some(_), Some(_)) => {
             let help = "keep `channel` for WAV and universal files, `column` for CSV files";
-            Err(table.error("column", "is given beside `channel`", help))
+            Err(table.error("column", "is given in addition to `channel`", help))
         }
         (None, Some(column)) => Ok(Selector::Column(column.trim().to_owned())),
         (number, None) => Ok(Selector::Channel(number.unwrap_or(1))),
@@ -233,7 +233,7 @@ fn calibration(table: &Keys<'_, '_>, quantity: Quantity) -> Result<Calibration, 
         }
         (Some(_), Some(FullScale::Quantity(_))) => {
             let help = "give `full_scale` in V, or remove `sensitivity`";
-            return Err(table.error("full_scale", "is no voltage, and `sensitivity` is given", help));
+            return Err(table.error("full_scale", "is not a voltage, and `sensitivity` is given", help));
         }
         _ => {}
     }
@@ -252,7 +252,7 @@ fn calibration(table: &Keys<'_, '_>, quantity: Quantity) -> Result<Calibration, 
     {
         return Err(table.error(
             key,
-            "is given beside `calibrator`",
+            "is given in addition to `calibrator`",
             "keep one of both: the calibrator's record determines the scale",
         ));
     }

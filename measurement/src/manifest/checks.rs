@@ -24,7 +24,7 @@ const MICROPHONES: usize = 9;
 /// Number of shots per configuration from which the uncertainty of a mean is useful.
 const REPEATS: usize = 5;
 
-/// What each configuration measures, indexed by its number minus one.
+/// The source that each configuration measures, indexed by its number minus one.
 const MEASURED: [&str; 5] = ["the total", "the residual", "the exhaust", "the body", "the workpiece"];
 
 /// Distance of a point from the five faces of the box other than the reflecting plane \[m\]; `point` is relative to the
@@ -122,7 +122,7 @@ pub(super) fn names(channels: &[Channel], root: &Keys<'_, '_>) -> Result<(), Key
         if !begins || !channel.name.chars().all(plain) {
             let all = root.table("channels", "[channels]")?;
             let help = "begin it with a letter or a digit, and use letters, digits, spaces and _ - . / ( ) + #";
-            let problem = "is no name of a channel: a spreadsheet or a terminal may obey it".to_owned();
+            let problem = "is not a valid channel name: a spreadsheet or a terminal may execute it".to_owned();
             return Err(all.as_ref().unwrap_or(root).error(&channel.name, problem, help));
         }
     }
@@ -201,7 +201,7 @@ pub(super) fn is_file(path: &Path, channel: &str) -> Result<(), MeasurementError
     let refuse = |error: &std::io::Error| Err(unreadable(path, channel, error));
     match std::fs::metadata(path) {
         Ok(data) if data.is_file() => Ok(()),
-        Ok(_) => refuse(&std::io::Error::other("it is no regular file")),
+        Ok(_) => refuse(&std::io::Error::other("it is not a regular file")),
         Err(error) => refuse(&error),
     }
 }

@@ -280,7 +280,7 @@ fn trigger(table: &Keys<'_, '_>, channels: &[Channel]) -> Result<Trigger, KeyErr
                 "the channels are {}; that of a switch has kind = \"trigger\"",
                 known.join(", ")
             );
-            return Err(own.error("channel", format!("is \"{name}\", which is no channel"), help));
+            return Err(own.error("channel", format!("is \"{name}\", which is not a channel"), help));
         }
     };
     let value = own.required("threshold", "\"2.5 V\"")?;

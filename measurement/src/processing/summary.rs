@@ -265,7 +265,7 @@ impl Summary<'_> {
         let mut notes = self.channels.clone();
         for (one, ..) in self.all.iter().filter(|(one, ..)| one.repeats < LEAST_REPEATS) {
             notes.push(format!(
-                "{}: {} repeats; EN 12549 asks for {LEAST_REPEATS}",
+                "{}: {} repeats; EN 12549 requires {LEAST_REPEATS}",
                 name(one),
                 one.repeats
             ));

@@ -50,7 +50,7 @@ fn uneven(times: &[f64]) -> Fault {
             fault(last - behind, times[last] - away)
         }
         (Some((index, away)), _) => fault(index, times[0] + away),
-        // Rounded times whose errors are just within the limit as seen from one end.
+        // Seen from the first sample, all rounding errors are just within the limit.
         (None, _) => fault(last, times[0] + median * last as f64),
     }
 }

@@ -16,7 +16,7 @@ const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Reference sound pressure \[Pa\] (ISO 1683).
 const REFERENCE: f64 = 20e-6;
 
-/// What a channel measures.
+/// Quantity measured by a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Sound or gas pressure \[Pa\].
@@ -97,8 +97,8 @@ impl Quantity {
         si_of(unit, self.dimension())
     }
 
-    /// What a label says about a different quantity than this one or the sensor's voltage; none for a label that is not
-    /// a unit.
+    /// Description of a label that belongs to a different quantity than this one or the sensor's voltage. None for a
+    /// label that is not a unit.
     fn contradicted_by(self, label: &str) -> Option<String> {
         if spelled(label).to_lowercase().starts_with("db") {
             return Some(format!("levels, in \"{label}\""));
@@ -148,7 +148,7 @@ pub struct Calibrator {
     pub factor: Option<f64>,
 }
 
-/// What the manifest states about the numbers of a channel.
+/// Scale of the numbers of a channel according to the manifest.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Calibration {
     /// Sensitivity \[V per SI unit\].
@@ -220,7 +220,7 @@ impl Calibration {
         }
         match (self.unit(track, quantity)?, self.sensitivity, self.full_scale) {
             (Some(_), _, _) if track.numbers == Numbers::Integers => {
-                none("`unit` is given, and the file holds integers, which are in no unit")
+                none("`unit` is given, and the file contains integers, which have no unit")
             }
             (Some(Unit::Quantity(factor)), None, full) => Ok(Scale {
                 factor,
@@ -249,9 +249,9 @@ impl Calibration {
                 factor: value,
                 full: Some(1.0),
             }),
-            (None, Some(_), _) => none("`full_scale` in V is missing beside `sensitivity`"),
+            (None, Some(_), _) => none("`sensitivity` is given without `full_scale` in V"),
             (None, None, _) => {
-                none("the file holds fractions of full scale, and the manifest does not state what they are")
+                none("the file contains fractions of full scale, and the manifest does not state the full scale")
             }
         }
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Foreign, LOWEST_RATE, RUN, SHOT};
 
-/// What is wrong with the recording of a channel.
+/// Fault of the recording of a channel.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
@@ -50,8 +50,8 @@ pub enum Fault {
     },
     /// A WAV file has more samples than fit in memory.
     #[error(
-        "{channels} channel(s) of {samples} samples need {gigabytes:.1} GB of memory; three quarters of what is free, \
-         {allowed:.1} GB, may be used"
+        "{channels} channel(s) of {samples} samples need {gigabytes:.1} GB of memory; three quarters of the free \
+         memory, {allowed:.1} GB, may be used"
     )]
     Memory {
         /// Number of samples per channel.
@@ -144,11 +144,11 @@ pub enum Fault {
         problem: String,
     },
     /// The abscissa is not time.
-    #[error("dataset 58 number {channel} is no time history: its abscissa is {abscissa}{histories}")]
+    #[error("dataset 58 number {channel} is not a time history: its abscissa is {abscissa}{histories}")]
     NotTime {
         /// The channel, from 1.
         channel: usize,
-        /// What the abscissa is.
+        /// The quantity of the abscissa.
         abscissa: String,
         /// Which datasets are time histories.
         histories: String,
@@ -337,7 +337,7 @@ impl Fault {
             Self::Empty { .. } => "record this shot again, or correct `file`",
             Self::NotFinite { .. } => "export the recording again, and check the converter that wrote the file",
             Self::LowRate { .. } => {
-                "record at a higher rate: 48 kHz at least is usual, 160 kHz was used for the published test"
+                "record at a higher rate: at least 48 kHz is usual, 160 kHz was used for the published test"
             }
             Self::RatesDiffer { .. } => "record all channels and shots at one sampling rate",
             Self::StartsDiffer { .. } => "export all channels of a shot with a common time axis",

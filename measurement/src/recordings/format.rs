@@ -67,7 +67,7 @@ impl Format {
         if chunk.len() < 16 {
             let length = chunk.len();
             return Err(malformed(format!(
-                "its chunk \"fmt \" has {length} bytes, 16 at least are needed"
+                "its chunk \"fmt \" has {length} bytes, at least 16 are needed"
             )));
         }
         let (channels, block, bits) = (usize::from(short(2)), usize::from(short(12)), u32::from(short(14)));

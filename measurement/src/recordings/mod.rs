@@ -46,10 +46,10 @@ pub fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<T
     finite(tracks)
 }
 
-/// Reads channels of a recording from a file, like [`decode`]; WAV files are read block by block.
+/// Reads channels of a recording from a file, like [`decode`]. WAV files are read block by block.
 ///
 /// # Errors
-/// The outer error is from the file system, or because the file is not regular or, except for WAV, is longer than
+/// The outer error is from the file system, or the file is not regular. Files other than WAV must not be longer than
 /// [`LARGEST`]. The inner error is that of [`decode`].
 pub fn read_tracks(path: &Path, channels: &[&Selector]) -> io::Result<Result<Vec<Track>, Refusal>> {
     let (mut file, length) = open_regular(path)?;

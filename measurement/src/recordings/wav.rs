@@ -24,8 +24,8 @@ pub enum Coding {
 /// `rate` is in Hz; `full_scale`, in the unit of the signals, is the value of the largest sample.
 ///
 /// # Errors
-/// If signals differ in length, their number is zero or above 65 535, values are not finite or (for integers) beyond
-/// full scale, or the file would exceed the limit of WAV (4 GiB).
+/// If signals differ in length, their number is zero or above 65 535, or the file would exceed the limit of WAV (4
+/// GiB). Values must be finite and, for integers, within full scale.
 pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) -> io::Result<Vec<u8>> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, what);
     let length = signals.first().map_or(0, |signal| signal.len());
@@ -267,7 +267,7 @@ mod tests {
         };
         assert!(said.contains("200000000 samples") && said.contains("3.2 GB"), "{said}");
         assert!(said.contains("1.0 GB") && remedy.contains("cut"), "{said} {remedy}");
-        // More than any machine has, where the system does not say what is free.
+        // More than any machine has, if the system does not report the free memory.
         let open = MemoryLimit {
             gigabytes: f64::INFINITY,
             given: false,

@@ -210,7 +210,11 @@ fn names_that_a_spreadsheet_or_a_terminal_would_obey_are_refused() {
         let error = Manifest::parse(&text, "test.toml".as_ref()).unwrap_err();
         names(
             &error,
-            &["test.toml, line 15", "no name of a channel", "begin it with a letter"],
+            &[
+                "test.toml, line 15",
+                "not a valid channel name",
+                "begin it with a letter",
+            ],
         );
     }
 }

@@ -168,7 +168,12 @@ fn a_trigger_is_needed_and_refers_to_a_channel() {
         &["`configurations.W-1.trigger` is missing", "threshold"],
     );
     let channel = "{ channel = \"button\", threshold = \"2.5 V\" }";
-    refused("\"12.5 ms\"", channel, 8, &["\"button\", which is no channel", "mic5"]);
+    refused(
+        "\"12.5 ms\"",
+        channel,
+        8,
+        &["\"button\", which is not a channel", "mic5"],
+    );
     refused(
         "\"12.5 ms\"",
         "{ channel = \"mic5\" }",
@@ -232,7 +237,7 @@ fn microphones_have_the_numbers_of_the_standard() {
             "mic5 ",
             &format!("{name} "),
             6,
-            &[&format!("`channels.{name}` is no microphone"), "mic1 to mic9"],
+            &[&format!("`channels.{name}` is not a microphone"), "mic1 to mic9"],
         );
     }
     refused("mic5 ", "N ", 6, &["`channels.N.position` belongs to microphones"]);
@@ -251,7 +256,7 @@ fn a_channel_is_calibrated_in_one_way() {
         "full_scale = \"200 Pa\"",
         "full_scale = \"200 Pa\", sensitivity = \"50 mV/Pa\"",
         6,
-        &["is no voltage", "in V"],
+        &["is not a voltage", "in V"],
     );
     refused(
         "full_scale = \"200 Pa\"",
@@ -263,7 +268,7 @@ fn a_channel_is_calibrated_in_one_way() {
         "\"200 Pa\"",
         "\"200 Pa\", calibrator = { file = \"k.wav\", level = \"94 dB\" }",
         6,
-        &["is given beside `calibrator`"],
+        &["is given in addition to `calibrator`"],
     );
     refused(
         "full_scale = \"200 Pa\"",
@@ -312,7 +317,7 @@ fn a_manifest_that_is_no_file_is_refused() {
 fn a_recording_that_is_no_file_is_refused() {
     let folder = Folder::new("folder");
     std::fs::create_dir(folder.path("W-1-1.wav")).unwrap();
-    names(&folder.load(&text()).unwrap_err(), &["W-1-1.wav", "no regular file"]);
+    names(&folder.load(&text()).unwrap_err(), &["W-1-1.wav", "not a regular file"]);
 }
 
 #[test]

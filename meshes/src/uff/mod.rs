@@ -4,7 +4,7 @@
 //!
 //! Formats: Structural Dynamics Research Laboratory, University of Cincinnati, *Universal File Formats for Modal
 //! Analysis Testing*. Lengths are in m, mode shapes in the unit of the caller. The skin is written instead of the
-//! volume, because it is what test software draws and what can be measured.
+//! volume, because test software draws the skin, and only the skin can be measured.
 
 mod dataset;
 mod function;

@@ -35,7 +35,7 @@ const BUFFER: usize = 1 << 16;
 /// Extension of the entry files.
 const EXTENSION: &str = "entry";
 
-/// What is wrong with an entry.
+/// Fault of an entry.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Damage {

@@ -297,8 +297,8 @@ impl Store {
         self.folder().map_or_else(|| Ok(Vec::new()), folder::obstacles)
     }
 
-    /// Reads every entry completely; returns the damaged files and the [`obstacles`](Self::obstacles), with what is
-    /// wrong with each.
+    /// Reads every entry completely; returns the damaged files and the [`obstacles`](Self::obstacles), with the fault
+    /// of each.
     ///
     /// # Errors
     /// Errors of the file system.

@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     /// How the coefficients are found [default: within-between after impacts, else least-squares]
     #[arg(long, value_name = "METHOD", value_enum)]
     method: Option<MethodName>,
-    /// Drop terms from the end while the standard error grows by 5 % at most, and list every step
+    /// Drop terms from the end while the standard error grows by at most 5 %, and list every step
     #[arg(long)]
     reduce: bool,
     /// What cross-validation leaves out [default: group]

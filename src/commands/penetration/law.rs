@@ -23,8 +23,8 @@ use crate::tables::{dash, fixed};
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 
-/// Limits of constant forces \[N\], far beyond what a nail can bear; negative ones are rejected with a separate message
-/// by the curve.
+/// Limits of constant forces \[N\], far beyond the strength of a nail; negative ones are rejected with a separate
+/// message by the curve.
 const FORCES: [f64; 2] = [-1e6, 1e6];
 
 #[derive(Args)]

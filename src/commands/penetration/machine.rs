@@ -162,7 +162,7 @@ fn conditions(path: &Path) -> Result<Vec<(f64, f64)>, PenetrationError> {
             return Err(TableFault::Line {
                 line,
                 column: None,
-                problem: "mass and speed are no numbers above 0".to_owned(),
+                problem: "mass and speed are not numbers above 0".to_owned(),
             });
         };
         found.push((mass, speed));

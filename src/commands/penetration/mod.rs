@@ -30,7 +30,7 @@ enum Command {
     Fit(fit::Arguments),
     /// Compute a shot of a test machine, or write virtual tests for `fit`
     Machine(machine::Arguments),
-    /// Plan tests at high speed: masses, speeds, what they reach, and which terms they tell apart
+    /// Plan tests at high speed: masses, speeds, depths reached, and the terms that the tests can separate
     Plan(plan::Arguments),
 }
 

@@ -1,5 +1,5 @@
-//! `nailnoise penetration plan`: plans tests at high speed for a nail, and shows what they reach and which terms they
-//! can separate.
+//! `nailnoise penetration plan`: plans tests at high speed for a nail. It shows the depths that they reach and the
+//! terms that they can separate.
 
 use std::path::{Path, PathBuf};
 
@@ -38,7 +38,7 @@ const STATIONS: u32 = 20;
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise penetration plan --nail 12d --energy 42.125J" => "masses and speeds, and the terms that they tell apart",
+    "nailnoise penetration plan --nail 12d --energy 42.125J" => "masses, speeds, and the terms that they can separate",
     "nailnoise penetration plan --nail 12d --from my-tool.toml" => "the energy of the piston of a design",
 ))]
 pub(super) struct Arguments {
@@ -59,7 +59,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "MASSES", value_delimiter = ',',
         value_parser = |text: &str| within(text, MASS, PROJECTILES))]
     mass: Vec<f64>,
-    /// What the speeds of the plan are
+    /// Meaning of the speeds of the plan
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = SpeedIs::Impact)]
     speed_is: SpeedIs,
     /// Wood by which the depths are predicted
@@ -71,7 +71,7 @@ pub(super) struct Arguments {
     /// Fitted law in its place, a file of `prf fit`
     #[arg(long, value_name = "FILE")]
     fit: Option<PathBuf>,
-    /// Form whose terms the plan is to tell apart
+    /// Form whose terms the plan should separate
     #[arg(long, value_name = "TERMS", default_value = "poly(x,3) + decay + inertia + energy")]
     form: String,
     /// Scatter between specimens of s = sqrt(F_r/(H_M NL)), for the number of repeats
@@ -401,7 +401,7 @@ fn text(result: &PlanResult, form: &Form) -> String {
     ));
     match &result.not_identifiable {
         Some(problem) => text.push_str(&format!("\n  {form}: {problem}\n")),
-        None => text.push_str(&format!("\n  the plan tells the terms of {form} apart\n")),
+        None => text.push_str(&format!("\n  the plan separates the terms of {form}\n")),
     }
     for (term, repeats) in &result.repeats {
         text.push_str(&format!(

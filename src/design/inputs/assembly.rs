@@ -161,7 +161,7 @@ pub(crate) fn has_housing(design: &Design) -> bool {
     design_has(design, TOOL)
 }
 
-/// What an assembly says about its shot, for the head of a report.
+/// Statements of an assembly about its shot, for the head of a report.
 pub(crate) struct AssemblyFacts {
     /// Whether it uses the supply pressure of the design.
     pub(crate) supplied: bool,
@@ -264,7 +264,7 @@ pub(crate) fn rigid_housing(design: &Design, engine: &Engine) -> Option<String> 
     ))
 }
 
-/// Sources that a tool lacks because its assembly has no such body or no opening, in words.
+/// Sources that a tool does not have because its assembly has no such body or no opening, in words.
 pub(crate) fn absent_sources(engine: &Engine) -> Vec<String> {
     let Engine::Assembly(cycle) = engine else {
         return Vec::new();

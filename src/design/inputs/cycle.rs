@@ -55,7 +55,7 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
     })
 }
 
-/// Valid values of what a cycle does not use \[m\], \[Pa\], \[m/s\].
+/// Valid values of the keys that a cycle does not use \[m\], \[Pa\], \[m/s\].
 const UNUSED_LENGTH: f64 = 1.0;
 const UNUSED_MODULUS: f64 = 2e11;
 const UNUSED_SPEED: f64 = 1000.0;

@@ -86,7 +86,7 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
     }
 }
 
-/// Names of the sensors on bodies that the design lacks.
+/// Names of the sensors on bodies that the design does not have.
 pub(crate) fn without_body(design: &Design) -> Vec<&str> {
     let carried = carriers(design);
     let absent = design

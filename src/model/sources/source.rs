@@ -61,7 +61,7 @@ pub(crate) struct SourceStages {
     pub(crate) analysis: Stored<AnalysedSource>,
     /// All that the result of a run reads of it.
     pub(crate) sound: Stored<SourceSound>,
-    /// What a run compares it with.
+    /// Reference with which a run compares it.
     pub(crate) compared: Compared,
     /// Notes on it, given its sound.
     pub(crate) notes: Box<dyn Fn(&SourceSound) -> Result<SourceNotes, Error> + Send + Sync>,

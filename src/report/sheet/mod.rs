@@ -50,7 +50,7 @@ const TITLES: [&str; 4] = [
     "Basis",
 ];
 
-/// What stands before the digest of a design.
+/// Prefix of the digest of a design.
 const DIGEST: &str = "values of the design (SHA-256)";
 
 impl Sheet {
@@ -189,7 +189,7 @@ const CONDITIONS: [(&str, &str); 10] = [
     ("support.kind", "support"),
 ];
 
-/// Operating conditions of the standards, and what the shot achieves.
+/// Operating conditions of the standards, and the performance of the shot.
 fn conditions(of: &Finished) -> Vec<(String, String)> {
     let stated = CONDITIONS.iter().filter_map(|(key, name)| {
         let input = of.inputs.iter().find(|input| input.key == *key)?;

@@ -206,8 +206,8 @@ impl Body {
     /// Shapes at every node of the full modes that belong to this body.
     ///
     /// # Errors
-    /// [`BodyError::OtherModes`] if another machine stored the body: the sign of a mode is open, and modes of one
-    /// frequency may be any mixture of each other.
+    /// [`BodyError::OtherModes`] if another machine stored the body. The sign of a mode is arbitrary, and modes of
+    /// equal frequency may be any mixture of each other.
     pub fn shapes<'a>(&self, modes: &'a WholeModes) -> Result<&'a DMatrix<f64>, Error> {
         if skin(&self.surface, &modes.shapes) == self.skin {
             Ok(&modes.shapes)

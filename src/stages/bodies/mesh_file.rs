@@ -130,12 +130,11 @@ fn millimetres(length: f64) -> String {
 }
 
 impl MeshFile {
-    /// A file with its unit; a solid geometry is meshed with elements no longer than `element` \[m\].
+    /// A file with its unit. A solid geometry is meshed with elements no longer than `element` \[m\].
     ///
     /// # Errors
-    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`BodyError::NoSize`] for a solid
-    /// geometry without an element size, [`BodyError::StatedUnit`] where a unit is given for a file that states its
-    /// own.
+    /// [`MeshError::UnknownKind`] for another kind of file, and [`MeshError::Read`]. [`BodyError::NoSize`] for a solid
+    /// geometry without an element size. [`BodyError::StatedUnit`] if a unit is given for a file that states its own.
     pub fn new(path: &Path, unit: FileUnit, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
         let element = if is_solid(path)? {
             Some(element.ok_or(BodyError::NoSize)?)

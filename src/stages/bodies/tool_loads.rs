@@ -53,8 +53,8 @@ type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bo
 /// volume for the pressures \[m2\].
 ///
 /// # Errors
-/// [`BodyError::NoLoadSurface`] for each missing surface, [`BodyError::NoneOfSurface`] for one that is not where the
-/// design applies the force.
+/// [`BodyError::NoLoadSurface`] for each missing surface. [`BodyError::NoneOfSurface`] for a surface that is not where
+/// the design applies the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);

@@ -15,8 +15,9 @@
 //! ```
 //!
 //! and weight: their sum is the force on the tool in the cycle's equation of motion. Gas also presses on walls without
-//! moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext inside the handle and around the
-//! cylinder above the check-ring holes (the jacket), p_r around it below them, and the plenum's pressure in the cap.
+//! moving the tool. The pressures p_1 and p_2 act on the bore on both sides of the piston, and p_ext inside the handle.
+//! Around the cylinder, p_ext acts above the check-ring holes (the jacket) and p_r below them. In the cap the plenum's
+//! pressure acts.
 
 use nailnoise_dynamics::network::{EventTime, FlowHistory, LoadHistory, PressureHistory};
 use nailnoise_dynamics::{CycleRecord, Events, Form, Geometry, Parameters, Volume};

@@ -206,7 +206,7 @@ pub struct ReferenceResult<T> {
 /// motion; if none do, it is solved for the design's modes.
 #[derive(Serialize)]
 pub struct ProjectedMatrix {
-    /// Reference bodies, in the order of trial.
+    /// Reference bodies, in the order in which they are tried.
     pub references: OnDemand<Vec<ReferenceResult<ModalBem>>>,
     /// The matrix of the design's modes; read only if no fit is good enough.
     pub own: OnDemand<Stored<ModalBem>>,

@@ -110,8 +110,8 @@ impl ToolRadiation {
         ranges.solve(task, &self.resolution, progress)
     }
 
-    /// Checks, before its modes are computed, that the mesh of the housing can radiate, keeps the required distance
-    /// from the microphones, and has a cap if one is required.
+    /// Checks the mesh of the housing before its modes are computed. It must be able to radiate, be far enough from the
+    /// microphones, and have a cap if one is required.
     ///
     /// # Errors
     /// Same as [`Self::level`], [`SurfaceError::NoCapSurface`], and the errors of the microphones.

@@ -295,10 +295,10 @@ impl WorkpieceBoundaryElements {
     }
 }
 
-/// Approximate number of frequencies that are solved on each mesh. The number of samples in a range depends on how many
-/// wavelengths fit into twice the body's largest dimension, or into its height above the floor: it is the increase of
-/// this number from the bottom to the top of the range. They are solved on the mesh below and corrected on the range's
-/// own mesh; the last mesh also solves the means half an octave above.
+/// Approximate number of frequencies that are solved on each mesh. The number of wavelengths that fit into twice the
+/// body's largest dimension, or into its height above the floor, increases with frequency. The number of samples in a
+/// range follows from this increase between its ends. The samples are solved on the mesh below and corrected on the
+/// range's own mesh; the last mesh also solves the means half an octave above.
 fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     let mut from = low;
     let mut solves = vec![0.0; levels.len()];

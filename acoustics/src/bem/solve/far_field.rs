@@ -49,7 +49,7 @@ impl Exterior {
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// R is symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which
+    /// By construction, R is symmetric and positive semidefinite. It is independent of [`Exterior::impedance`], which
     /// integrates the intensity on the surface.
     ///
     /// # Errors
@@ -164,9 +164,9 @@ impl Exterior {
         }
     }
 
-    /// Far field F of every pattern of several parities in the given directions; for each parity directions x patterns
-    /// \[Pa s for velocities in m/s\]. p -> e^{-jkr}/(4 pi r) F, where r is the distance from the origin of
-    /// [`Exterior::quadrature`].
+    /// Far field F of every pattern of several parities in the given directions. Returns a matrix of directions x
+    /// patterns for each parity \[Pa s for velocities in m/s\]. The pressure tends to e^{-jkr}/(4 pi r) F, where r is
+    /// the distance from the origin of [`Exterior::quadrature`].
     pub(crate) fn far_fields(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
         if let Some(halves) = self.with_real_velocities(all) {
             let halves: Vec<Radiated<'_>> = halves.iter().map(|(v, p)| (v, p)).collect();

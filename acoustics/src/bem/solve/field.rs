@@ -18,8 +18,8 @@ impl Exterior {
     /// close to the surface.
     ///
     /// # Errors
-    /// [`ReceiverError::BelowFloor`]; [`ReceiverError::NearSurface`] for a point closer to the surface than the longest
-    /// panel edge; also if patterns or pressures have the wrong length.
+    /// [`ReceiverError::BelowFloor`]. [`ReceiverError::NearSurface`] for a point closer to the surface than the longest
+    /// panel edge. Also an error if patterns or pressures have the wrong length.
     pub fn pressure_at(
         &self,
         points: &[Point3<f64>],

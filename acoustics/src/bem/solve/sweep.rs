@@ -118,7 +118,7 @@ impl EquationSweep {
         }
     }
 
-    /// The equations of a frequency without their common phase, for the cache.
+    /// The equations at a frequency, divided by their common phase factor for storage in the cache.
     pub(crate) fn without_phase(&self, problem: &Exterior, hz: f64, sums: &[Sums]) -> Vec<Vec<f32>> {
         let k = problem.wavenumber(hz);
         let size = if problem.coupling(hz) == Coupling::Inverse {

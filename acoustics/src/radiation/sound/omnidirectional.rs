@@ -26,7 +26,8 @@ impl OmnidirectionalTransfer {
 /// E_p = E rho0 c0 / (4 pi) (1/r^2 + 1/r'^2)
 /// ```
 ///
-/// The result contains no directivity, so differences between microphones of an array carry no information about it.
+/// The result contains no directivity. Differences between microphones of an array therefore carry no information about
+/// it.
 ///
 /// # Errors
 /// If the point is at the source or below the floor.

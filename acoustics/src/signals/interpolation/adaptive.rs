@@ -36,8 +36,8 @@ pub(crate) struct Piece {
     pub(crate) range: Range,
     /// Frequencies with which its sequence of samples begins \[Hz\].
     pub(crate) known: Vec<f64>,
-    /// Number of samples at which it counts as complete, whatever the error; `None` if it is halved when it needs too
-    /// many samples.
+    /// Number of samples at which an interval counts as complete, whatever the error. `None` if an interval that needs
+    /// too many samples is halved instead.
     pub(crate) complete: Option<usize>,
 }
 

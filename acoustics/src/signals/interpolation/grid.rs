@@ -183,7 +183,7 @@ impl Grid {
     }
 }
 
-/// A misfit, replaced by infinity if it is NaN: the interpolant through few samples may have no value.
+/// Replaces a misfit that is NaN by infinity. An interpolant through few samples may be undefined.
 pub(crate) fn or_infinite(misfit: f64) -> f64 {
     if misfit.is_nan() { f64::INFINITY } else { misfit }
 }

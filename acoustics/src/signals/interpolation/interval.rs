@@ -59,8 +59,8 @@ impl Interval {
         ends.into_iter().chain(&mut self.hz).for_each(|hz| *hz *= by);
     }
 
-    /// The same samples; the last `tests` of them test the others. If all are test samples, they are compared with
-    /// zero.
+    /// The same samples, with the last `tests` of them as test samples for the others. If all are test samples, they
+    /// are compared with zero.
     pub(super) fn tested_by(&self, tests: usize) -> Self {
         Self { tests, ..self.clone() }
     }
@@ -138,7 +138,7 @@ impl Interval {
 }
 
 /// Estimated error including the samples of a round, given the misfit `found` without them and the misfit one round
-/// before: each round is assumed to reduce the error by the same factor as the previous one, but by no more than
+/// before. Each round is assumed to reduce the error by the same factor as the previous one, but by no more than
 /// [`GAIN`]. An exact result has no error.
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     match before {

@@ -531,7 +531,7 @@ struct Shot {
     bem: ModalBem,
 }
 
-/// Two meshes that meet where two bands do.
+/// Two meshes whose ranges meet at a band edge.
 fn two_meshes(bands: &[Band]) -> Vec<MeshRange> {
     let solids = solids();
     let coarse = MeshRange {

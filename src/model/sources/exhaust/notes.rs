@@ -1,4 +1,4 @@
-//! What a reader of the levels of the exhaust should know.
+//! Notes for a reader of the levels of the exhaust.
 
 use nailnoise_acoustics::jets::ValveNoise;
 

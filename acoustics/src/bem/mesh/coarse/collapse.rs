@@ -112,9 +112,9 @@ impl<'a> Collapse<'a> {
         all
     }
 
-    /// The surface with vertex `u` moved to its neighbour `v`, if allowed. The surface must stay closed (the common
-    /// neighbours of the two ends are those of their common triangles; Dey et al. 1999), lines must be preserved, and
-    /// no triangle may turn away from the surface or become too large or too slender.
+    /// The surface with vertex `u` moved to its neighbour `v`, if allowed. The surface must stay closed: the common
+    /// neighbours of the two ends are those of their common triangles (Dey et al. 1999). Lines must be preserved. No
+    /// triangle may turn away from the surface or become too large or too slender.
     fn without(&self, u: usize, v: usize) -> Option<Left> {
         let on_line = self.lines.contains_key(&key(u, v));
         match self.kinds[u] {

@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 /// Gauss points per direction for touching pairs; one less in the direction away from the singularity.
 const SINGULAR_ORDER: usize = 4;
-/// Ratios of the distance between two panels' centres to the sum of their radii above which the rules with 3, 7, 12 and
-/// 16 points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are used. Closer panels are subdivided.
+/// Ratios of the distance between two panels' centres to the sum of their radii. Above them, the rules with 3, 7, 12
+/// and 16 points apply (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals). Closer panels are subdivided.
 pub(super) const RATIOS: [f64; 4] = [2.1, 1.6, 1.2, 0.8];
 
 /// A rule for two panels or their halves.

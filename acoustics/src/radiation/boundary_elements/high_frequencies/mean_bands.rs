@@ -102,12 +102,12 @@ impl MeanBands {
         (0..self.count()).map(band).collect()
     }
 
-    /// Centre of the last band, in octaves above the lowest end.
+    /// Centre of the last band, in octaves above the lower end of the first band.
     pub(crate) fn last_octaves(&self) -> f64 {
         (self.count() as f64 - 0.5) * self.width()
     }
 
-    /// The frequency this many octaves above the lowest end \[Hz\].
+    /// The frequency this many octaves above the lower end of the first band \[Hz\].
     pub(crate) fn above(&self, octaves: f64) -> f64 {
         self.top * 2f64.powf(octaves)
     }
