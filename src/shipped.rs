@@ -32,6 +32,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "tools/stapler.toml",
     "tools/gas-spring-nailer.toml",
     "tools/blow-gun.toml",
+    "tools/impact-rig.toml",
 ];
 
 /// Designs of [`DESIGNS`] without a study among [`STUDIES`]: those with an assembly of their own.
@@ -40,6 +41,7 @@ pub const WITHOUT_STUDY: &[&str] = &[
     "tools/stapler.toml",
     "tools/gas-spring-nailer.toml",
     "tools/blow-gun.toml",
+    "tools/impact-rig.toml",
 ];
 
 /// Published measurements, for `compare --measured`.

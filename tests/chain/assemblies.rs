@@ -274,6 +274,7 @@ fn shipped_designs_with_assemblies_load_and_name_their_sources() {
         ("designs/tools/stapler.toml", 3),
         ("designs/tools/gas-spring-nailer.toml", 3),
         ("designs/tools/blow-gun.toml", 1),
+        ("designs/tools/impact-rig.toml", 2),
         ("designs/quieter/expansion-chamber.toml", 3),
     ] {
         let chain = Chain::new(&Graph::default(), &design(path), Options::default()).unwrap();
