@@ -23,9 +23,10 @@ const CHANNELS: [&str; 4] = ["nail.tip", "projectile.velocity", "nail.force", "c
 pub(super) struct Rig(Assembly);
 
 impl Rig {
-    /// The rig for a launch by gas, which ends at the nail.
+    /// The rig for a launch by gas, which ends at the nail. The law of the wood has no effect on it.
     pub(super) fn launching(machine: &Machine) -> Result<Self, MachineError> {
-        Self::new(machine, &BTreeMap::new(), |_| true, "strike")
+        let law = KeyValue::Word("constant".to_owned());
+        Self::new(machine, |_| true, [("wood.penetration_law", law)], "strike")
     }
 
     /// The rig for a shot that begins at the nail, and ends where the projectile leaves it.
@@ -33,22 +34,23 @@ impl Rig {
         if machine.wood.penetration_law == ResistanceLaw::Fitted && fit.is_none() {
             return Err(MachineError::NoFit);
         }
-        let given = [
-            ("launch.speed", shot.speed, VELOCITY),
-            ("specimen.deviation", shot.deviation, NUMBER),
+        let quantity = |si, dimension| KeyValue::Quantity { si, dimension };
+        let of_shot = [
+            ("launch.speed", quantity(shot.speed, VELOCITY)),
+            ("specimen.deviation", quantity(shot.deviation, NUMBER)),
         ];
-        let given = given.map(|(key, si, dimension)| (key.to_owned(), KeyValue::Quantity { si, dimension }));
-        let mut rig = Self::new(machine, &given.into(), |key| !key.starts_with("launch."), "left")?;
+        let mut rig = Self::new(machine, |key| !key.starts_with("launch."), of_shot, "left")?;
         rig.0.set_resistance(None, fit);
         rig.0.end = LONGEST;
         Ok(rig)
     }
 
-    /// The assembly with the keys of a machine that are `used`, and others; its record ends at an event.
-    fn new(
+    /// The assembly with the keys of a machine that are `used`, and those that replace them; its record ends at an
+    /// event.
+    fn new<const N: usize>(
         machine: &Machine,
-        others: &BTreeMap<String, KeyValue>,
         used: impl Fn(&str) -> bool,
+        replaced: [(&str, KeyValue); N],
         last: &str,
     ) -> Result<Self, MachineError> {
         static TEXT: LazyLock<Option<Result<AssemblyText, AssemblyError>>> =
@@ -58,12 +60,13 @@ impl Rig {
             .as_ref()
             .ok_or_else(|| failed("no assembly impact_rig".to_owned()))?;
         let text = text.as_ref().map_err(|error| failed(error.to_string()))?;
-        let mut keys = others.clone();
+        let mut keys = BTreeMap::new();
         machine.visit("", &mut |path, spec, value| {
             if used(path) {
                 keys.insert(path.to_owned(), KeyValue::of(spec, &value));
             }
         });
+        keys.extend(replaced.map(|(key, value)| (key.to_owned(), value)));
         let resolved = text.resolve(&keys).map_err(|error| failed(error.to_string()))?;
         let mut assembly = resolved.assembly;
         let event = assembly.events.iter().position(|event| event.name == last);

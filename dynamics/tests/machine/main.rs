@@ -171,6 +171,9 @@ fn a_valve_a_rod_and_a_shut_cylinder_slow_the_launch() {
         assert!(slower.speed < base - 0.1, "{name} {}", slower.speed);
         assert!(slower.balance < 1e-8, "{name} {:e}", slower.balance);
     }
+    let mut fitted = machine(0.131);
+    fitted.wood.penetration_law = ResistanceLaw::Fitted;
+    assert_eq!(launch(&fitted).unwrap().speed, base);
     let mut near = machine(0.131);
     near.launch.nail_distance = 0.29;
     assert!(matches!(launch(&near).unwrap_err(), MachineError::StillPushing { .. }));
