@@ -149,8 +149,8 @@ fn a_valve_air_gun_shoots_as_measured_where_it_was_fitted() {
     }
 }
 
-/// A nail that the wood pushes back moves with the projectile. By the rule of the nailing cycle, the projectile leaves it
-/// at the reversal and takes all of the force.
+/// A nail that the wood pushes back moves with the projectile. By the rule of the nailing cycle, the projectile leaves
+/// it at the reversal and takes all of the force.
 #[test]
 fn a_projectile_rebounds_with_the_mass_of_a_nail_that_is_pushed_against_it() {
     let mut rig = built_in("impact_rig");

@@ -251,8 +251,8 @@ pub struct Fastener {
     pub mass: f64,
     /// Whether the mass joins the driver in a plastic impact.
     pub impact: bool,
-    /// Whether the driver leaves it when the workpiece no longer pushes it back, as unilateral contact requires, in place
-    /// of the driver's reversal, the rule of the nailing cycle (Nili Ahmadabadi 2016, ch. 4).
+    /// Whether the driver leaves it when the workpiece no longer pushes it back, as unilateral contact requires, in
+    /// place of the driver's reversal, the rule of the nailing cycle (Nili Ahmadabadi 2016, ch. 4).
     pub leaves_unloaded: bool,
     /// Resistance of the workpiece.
     pub law: FastenerLaw,
