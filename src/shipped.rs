@@ -33,6 +33,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "tools/gas-spring-nailer.toml",
     "tools/blow-gun.toml",
     "tools/n80cb-as-published.toml",
+    "tools/impact-rig.toml",
 ];
 
 /// Designs of [`DESIGNS`] without a study among [`STUDIES`]: those with an assembly of their own.
@@ -42,6 +43,7 @@ pub const WITHOUT_STUDY: &[&str] = &[
     "tools/gas-spring-nailer.toml",
     "tools/blow-gun.toml",
     "tools/n80cb-as-published.toml",
+    "tools/impact-rig.toml",
 ];
 
 /// Published measurements, for `compare --measured`.

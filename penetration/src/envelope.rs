@@ -1,5 +1,6 @@
 //! Resistance of the wood to a nail as a function of its deepest penetration.
 
+use super::Specimen;
 use super::dual::Real;
 use super::rate::HeadContact;
 use super::resistance::{Driven, Resistance};
@@ -42,6 +43,15 @@ impl Envelope {
     pub fn with_head_stiffness(self, stiffness: f64) -> Self {
         Self {
             head: self.head.with_stiffness(stiffness),
+            ..self
+        }
+    }
+
+    /// The same envelope in a specimen that deviates from the law by b, of s = sqrt(F_r/(H_M NL)).
+    #[must_use]
+    pub fn with_deviation(self, b: f64, specimen: &Specimen) -> Self {
+        Self {
+            law: self.law.with_deviation(b, specimen),
             ..self
         }
     }

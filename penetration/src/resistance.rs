@@ -33,6 +33,26 @@ pub struct Resistance {
     scale: f64,
     split: RateSplit,
     rings: Option<GrowthRings>,
+    deviation: Option<Deviation>,
+}
+
+/// Deviation of a specimen from its law: s = sqrt(F_r/(H_M NL)) is greater by b.
+#[derive(Debug, Clone, Copy)]
+struct Deviation {
+    /// H_M NL \[N\].
+    scale: f64,
+    b: f64,
+}
+
+impl Deviation {
+    #[inline]
+    fn of<S: Real>(&self, force: S) -> S {
+        let root = (force.value() / self.scale).max(0.0).sqrt();
+        let moved = (root + self.b).max(0.0);
+        // dF'/dF = s'/s; a force of 0 is a law cut off there.
+        let slope = if root > 0.0 { moved / root } else { 0.0 };
+        force.chain(self.scale * moved * moved, slope)
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -83,6 +103,7 @@ impl Resistance {
             scale,
             split: RateSplit::inert(&shanks, 0.0, specimen.length),
             rings: None,
+            deviation: None,
         };
         let impact = quasi_static.fitted().map_or(0.0, LawOfDrive::usual_impact);
         let full = quasi_static.evaluate(specimen.length, 0.0, impact);
@@ -95,6 +116,16 @@ impl Resistance {
             split,
             rings: GrowthRings::new(wood, specimen.length),
             ..quasi_static
+        }
+    }
+
+    /// The same resistance in a specimen that deviates from the law by b, of s = sqrt(F_r/(H_M NL)).
+    #[must_use]
+    pub fn with_deviation(self, b: f64, specimen: &Specimen) -> Self {
+        let scale = specimen.hardness_modulus * specimen.length;
+        Self {
+            deviation: (b != 0.0).then_some(Deviation { scale, b }),
+            ..self
         }
     }
 
@@ -134,7 +165,11 @@ impl Resistance {
                 z.chain(force, slope)
             }
         };
-        force * self.scale
+        let force = force * self.scale;
+        match &self.deviation {
+            Some(deviation) => deviation.of(force),
+            None => force,
+        }
     }
 
     /// Force at `depth` with the nail at rest, 0 at or above the surface \[N\].

@@ -442,7 +442,7 @@ impl Rows<'_> {
                     significant(1e3 * own.length),
                     significant(1e3 * own.mass)
                 ),
-                ends: [Column::Body(own.driver), Column::Body(own.into)],
+                ends: [Column::Body(own.driver), base(own.into)],
                 mark: Mark::Fastener,
                 switched_by: Vec::new(),
             })

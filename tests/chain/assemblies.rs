@@ -101,6 +101,27 @@ fn a_blow_gun_has_its_nozzle_as_the_only_source() {
     assert_eq!(run.result.ranking[0].share, 1.0);
 }
 
+/// The rig over a block, with other values of its launch.
+fn rig(launch: &str) -> Design {
+    let own = std::fs::read_to_string(std::path::Path::new(ROOT).join("designs/tools/impact-rig.toml")).unwrap();
+    let (_, cycle) = own.split_once("[cycle]").unwrap();
+    small(&format!("[launch]\n{launch}\n[cycle]{cycle}"))
+}
+
+#[test]
+fn an_impact_rig_has_its_block_and_its_vent_as_sources() {
+    let vented = run(&rig(""));
+    assert_eq!(sources(&vented), ["exhaust", "workpiece"]);
+    assert_ne!(vented.result.outcome, "misfires");
+    let open = run(&rig("vent_area = \"0 mm2\""));
+    assert_eq!(sources(&open), ["workpiece"]);
+    assert_eq!(open.result.ranking[0].share, 1.0);
+    let notes = [open.result.notes, open.result.method_notes].concat().join("\n");
+    for absent in ["has no body `tool`", "has no opening"] {
+        assert!(notes.contains(absent), "{notes}");
+    }
+}
+
 /// Of the stages of a run, only those that its sources read are computed.
 #[test]
 fn a_tool_without_a_workpiece_solves_no_body_and_computes_no_radiation() {
@@ -275,6 +296,7 @@ fn shipped_designs_with_assemblies_load_and_name_their_sources() {
         ("designs/tools/gas-spring-nailer.toml", 3),
         ("designs/tools/blow-gun.toml", 1),
         ("designs/tools/n80cb-as-published.toml", 3),
+        ("designs/tools/impact-rig.toml", 2),
         ("designs/quieter/expansion-chamber.toml", 3),
     ] {
         let chain = Chain::new(&Graph::default(), &design(path), Options::default()).unwrap();

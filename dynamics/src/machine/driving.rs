@@ -3,21 +3,15 @@
 //! ```text
 //! v_1 = v_0 M/M_1,  M_1 = M + M_n,   M_1 v' = M_1 g - E(y; v),   E = F_r + k_w max(0, y - NL)
 //! ```
-//! From the deepest point the nail springs back with k_u, as in the nailing cycle. The projectile leaves it at F = 0.
-
-use std::f64::consts::PI;
+//! From the deepest point the nail springs back with k_u. It pushes the projectile, which does not hold it: they part
+//! where the force of the wood is zero (the rule `leaves = "unloaded"` of a fastener).
 
 use serde::Serialize;
 
-use super::integrator::integrate;
+use super::rig::{Logged, Rig};
 use super::{Machine, MachineError};
 use nailnoise_penetration::fit::FittedLaw;
-use nailnoise_penetration::{Driven, NailedWood, Resistance, ResistanceLaw, Shanks, Specimen};
 
-/// Tolerance of the integration.
-const TOLERANCE: f64 = 1e-12;
-/// Longest drive \[s\].
-const LONGEST: f64 = 0.5;
 /// Speed of longitudinal waves along a steel nail, sqrt(E/rho) with E = 205 GPa and rho = 7850 kg/m3 \[m/s\].
 const WAVE_SPEED: f64 = 5110.0;
 
@@ -83,6 +77,9 @@ pub struct Drive {
     pub stop_cell: f64,
     /// Speed when the head meets the wood \[m/s\]; none if it does not.
     pub head_speed: Option<f64>,
+    /// Time of it from the impact \[s\].
+    #[serde(skip)]
+    pub head_time: Option<f64>,
     /// Speed of the rebound, upwards \[m/s\].
     pub rebound: f64,
     /// Frequency above which the nail is not a rigid body, c/(20 NL) \[Hz\].
@@ -94,13 +91,12 @@ pub struct Drive {
     pub samples: Vec<Sample>,
 }
 
-/// Drives the nail of a machine, with samples at intervals of `interval` \[s\].
+/// Drives the nail of a machine, with samples at intervals of `interval` \[s\]; without samples if it is infinite.
 ///
 /// # Errors
 /// [`MachineError`] if the nail does not stop, leaves the block, or a law is not valid.
 pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f64) -> Result<Drive, MachineError> {
     let (nail, wood, projectile) = (&machine.nail, &machine.wood, &machine.projectile);
-    let gravity = machine.ambient.gravity;
     let (m, v0) = (projectile.mass, shot.speed);
     if projectile.mass_ahead_of_cell >= m {
         return Err(MachineError::CellMass {
@@ -108,163 +104,72 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
             mass: m,
         });
     }
-    let specimen = Specimen {
-        length: nail.length,
-        diameter: nail.diameter,
-        hardness_modulus: wood.hardness_modulus,
-        density: wood.density,
+    let rig = Rig::driving(machine, fit, shot)?;
+    let record = rig.run(interval)?;
+    let last = |words: &[&str]| Logged::last(&record, "nail", words);
+    let history = |name: &str| record.get(name).unwrap_or_default();
+    let stop = last(&["unloads"]);
+    let deepest = match &stop {
+        Some(stop) => stop.value("nail.tip"),
+        None => history("nail.tip").last().copied().unwrap_or_default(),
     };
-    if wood.penetration_law == ResistanceLaw::Fitted {
-        let Some(fit) = fit else {
-            return Err(MachineError::NoFit);
-        };
-        let [lowest, highest] = fit.of(&specimen, m).impacts();
-        if !(lowest..=highest).contains(&v0) {
-            return Err(MachineError::BeyondFit {
-                speed: v0,
-                lowest,
-                highest,
-            });
-        }
-    }
-    let law = Resistance::new(&Driven {
-        wood: &NailedWood::quasi_static(wood.clone()),
-        table: None,
-        fit,
-        specimen: &specimen,
-        mass: m,
-        shanks: Shanks::SMOOTH,
-    });
-    let joint = m + nail.mass;
-    let v1 = v0 * m / joint;
-    let to_cell = (m - projectile.mass_ahead_of_cell) / joint;
-    let scale = wood.hardness_modulus * nail.length;
-    let shank = |depth: f64, v: f64| {
-        let force: f64 = law.evaluate(depth.min(nail.length), v, v0);
-        if shot.deviation == 0.0 {
-            force
-        } else {
-            scale * ((force / scale).sqrt() + shot.deviation).max(0.0).powi(2)
-        }
-    };
-    let stiffness = wood.head_stiffness_scale * wood.hardness_modulus;
-    let head = |depth: f64| stiffness * (depth - nail.length).max(0.0);
-    // Depth, speed, work along the shank, work under the head.
-    let rates = |y: &[f64; 4]| {
-        let (along, under) = (shank(y[0], y[1]), head(y[0]));
-        [y[1], gravity - (along + under) / joint, along * y[1], under * y[1]]
-    };
-    let energy = 0.5 * m * v0 * v0;
-    let tolerance = (TOLERANCE, [nail.length, v0, energy, energy]);
-    let mut samples = vec![Sample {
-        time: 0.0,
-        depth: 0.0,
-        speed: v1,
-        force: shank(0.0, v1),
-        cell: to_cell * shank(0.0, v1),
-    }];
-    // Separate steps for samples: no interpolation between force and motion.
-    let (mut t, mut y) = (0.0, [0.0, v1, 0.0, 0.0]);
-    let mut head_speed = None;
-    let mut stopped = false;
-    while !stopped {
-        let next = samples.len() as f64 * interval;
-        if next > LONGEST {
-            return Err(MachineError::NoStop { time: LONGEST });
-        }
-        let failure = MachineError::Integration { time: t };
-        let reached_head = y[0] >= nail.length;
-        // To the head, the deepest point, or the next sample, whichever is first.
-        let event = |y: &[f64; 4]| {
-            if reached_head {
-                y[1]
-            } else {
-                y[1].min((nail.length - y[0]) / nail.length * v0)
-            }
-        };
-        let (end, found) = integrate(rates, event, (t, y), next, tolerance, |_| {}).ok_or(failure)?;
-        (t, y) = end;
-        if y[0] > machine.block.thickness {
-            return Err(MachineError::ThroughBlock {
-                depth: y[0],
-                thickness: machine.block.thickness,
-            });
-        }
-        if !found {
-            let force = shank(y[0], y[1]) + head(y[0]);
-            samples.push(Sample {
-                time: t,
-                depth: y[0],
-                speed: y[1],
-                force,
-                cell: to_cell * force,
-            });
-        } else if !reached_head && y[1] > 1e-9 * v0 {
-            y[0] = nail.length;
-            head_speed = Some(y[1]);
-        } else {
-            stopped = true;
-        }
-    }
-    let (deepest, stop_time) = (y[0], t);
-    let force = shank(deepest, 0.0) + head(deepest);
-    let k = wood.unloading_stiffness;
-    // M_1 y'' = M_1 g - F - k_u (y - z): swings about F = M_1 g until F = 0.
-    let omega = (k / joint).sqrt();
-    let (middle, swing) = (joint * gravity, force - joint * gravity);
-    let square = force * force / (k * joint) - 2.0 * gravity * force / k;
-    let leaves = square > 0.0;
-    let rebound = square.max(0.0).sqrt();
-    let end = stop_time
-        + if leaves {
-            (-middle / swing).clamp(-1.0, 1.0).acos() / omega
-        } else {
-            PI / omega
-        };
-    while samples.len() as f64 * interval < end {
-        let time = samples.len() as f64 * interval;
-        let phase = omega * (time - stop_time);
-        let force = middle + swing * phase.cos();
-        samples.push(Sample {
-            time,
-            depth: deepest - swing / k * (1.0 - phase.cos()),
-            speed: -swing / k * omega * phase.sin(),
-            force,
-            cell: to_cell * force,
+    if deepest > machine.block.thickness {
+        return Err(MachineError::ThroughBlock {
+            depth: deepest,
+            thickness: machine.block.thickness,
         });
     }
-    let back = if leaves { force / k } else { 2.0 * swing / k };
-    let elastic = if leaves {
-        0.5 * force * force / k
-    } else {
-        joint * gravity * back
+    let stop = stop.ok_or(MachineError::NoStop { time: record.end })?;
+    let of = |name: &str| record.integral(name).unwrap_or(0.0);
+    let (head, left) = (last(&["seats"]), last(&["left"]));
+    let joint = m + nail.mass;
+    let force = rig.stop_force(deepest, v0);
+    // The wood gives back F^2/(2 k_u) until the projectile leaves. A nail that the weight of the projectile holds down
+    // swings until the end of the record.
+    let (back, gravity, rebound, rest) = match &left {
+        Some(left) => {
+            let (end, rebound) = (left.value("nail.tip"), -left.value("projectile.velocity"));
+            let gravity = joint * machine.ambient.gravity * end;
+            (deepest - end, gravity, rebound, 0.5 * joint * rebound * rebound)
+        }
+        None => (0.0, of("gravity"), 0.0, of("kinetic.end")),
     };
-    let energy = EnergyOfDrive {
-        projectile: energy,
-        impact: energy - 0.5 * joint * v1 * v1,
-        shank: y[2],
-        head: y[3],
+    let elastic = (force - 0.5 * wood.unloading_stiffness * back) * back;
+    let sunk = (deepest - nail.length).max(0.0);
+    let under_head = 0.5 * wood.head_stiffness_scale * wood.hardness_modulus * sunk * sunk;
+    let work = of("penetration.nail");
+    let mut energy = EnergyOfDrive {
+        projectile: 0.5 * m * v0 * v0,
+        impact: of("lost.nail"),
+        shank: work + elastic - under_head,
+        head: under_head,
         elastic,
-        gravity: joint * gravity * (deepest - back),
-        rest: 0.5 * joint * rebound * rebound,
+        gravity,
+        rest,
         balance: 0.0,
     };
-    let residual =
-        energy.projectile + energy.gravity + energy.elastic - energy.impact - energy.shank - energy.head - energy.rest;
+    let residual = energy.projectile + energy.gravity - energy.impact - work - energy.rest;
+    energy.balance = residual.abs() / energy.projectile;
+    let [depth, speed, forces, cell] = ["nail.tip", "projectile.velocity", "nail.force", "cell"].map(history);
+    let samples = (0..depth.len()).map(|n| Sample {
+        time: n as f64 * interval,
+        depth: depth[n],
+        speed: speed[n],
+        force: forces[n],
+        cell: cell[n],
+    });
     Ok(Drive {
         impact_speed: v0,
-        joint_speed: v1,
+        joint_speed: record.strikes.first().map_or(0.0, |strike| strike.after),
         stop_depth: deepest,
-        stop_time,
+        stop_time: stop.time(),
         stop_force: force,
-        stop_cell: to_cell * force,
-        head_speed,
+        stop_cell: force * (m - projectile.mass_ahead_of_cell) / joint,
+        head_speed: head.as_ref().map(|head| head.value("projectile.velocity")),
+        head_time: head.as_ref().map(Logged::time),
         rebound,
         rigid_to: WAVE_SPEED / (20.0 * nail.length),
-        energy: EnergyOfDrive {
-            balance: residual.abs() / energy.projectile,
-            ..energy
-        },
-        samples,
+        energy,
+        samples: samples.collect(),
     })
 }

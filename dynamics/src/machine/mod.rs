@@ -2,12 +2,13 @@
 //!
 //! Described by Nili Ahmadabadi (2016), ch. 3: a reservoir, a valve, a cylinder whose carrier throws the projectile,
 //! and bumpers that stop the carrier, so that the projectile flies on freely and strikes the nail without air pressure
-//! behind it. Dimensions and masses of the carrier and the bumpers are unpublished: they are inputs.
+//! behind it. Dimensions and masses of the carrier and the bumpers are unpublished: they are inputs. The machine is the
+//! built-in assembly `impact_rig` with the values of a [`Machine`].
 
 mod driving;
-mod integrator;
 mod launch;
 mod plan;
+mod rig;
 mod sensors;
 
 use nailnoise_quantities::dimension::*;
@@ -190,11 +191,11 @@ pub enum MachineError {
         /// Time \[s\].
         time: f64,
     },
-    /// The steps of the integration became too small.
-    #[error("the integration stopped at {time} s")]
-    Integration {
-        /// Time \[s\].
-        time: f64,
+    /// The rig does not run with these values.
+    #[error("{cause}")]
+    Run {
+        /// What the assembly or its integration reports.
+        cause: String,
     },
 }
 
@@ -211,7 +212,7 @@ impl MachineError {
             Self::NoFit => "name the file that `nailnoise penetration fit` wrote, or choose another law",
             Self::BeyondFit { .. } => "choose another speed, or fit with --extrapolate to allow it",
             Self::NoStop { .. } => "check wood.hardness_modulus and wood.penetration_law",
-            Self::Integration { .. } => "check the machine for values that differ by many orders of magnitude",
+            Self::Run { .. } => "check the machine for values that differ by many orders of magnitude",
         }
     }
 }

@@ -97,31 +97,12 @@ pub fn plan(energy: f64, masses: &[f64]) -> Result<Vec<Row>, PlanError> {
 pub fn speed_for_mean(machine: &Machine, fit: Option<&FittedLaw>, mean: f64) -> Result<Option<f64>, MachineError> {
     let found = |speed: f64| -> Result<Option<f64>, MachineError> {
         let shot = Shot { speed, deviation: 0.0 };
-        let result = drive(machine, fit, shot, 1e-5);
-        let drive = match result {
-            Ok(drive) => drive,
+        match drive(machine, fit, shot, f64::INFINITY) {
+            Ok(drive) => Ok(drive.head_time.map(|time| machine.nail.length / time)),
             // Faster than any speed asked for.
-            Err(MachineError::ThroughBlock { .. }) => return Ok(Some(f64::INFINITY)),
-            Err(error) => return Err(error),
-        };
-        let length = machine.nail.length;
-        if drive.stop_depth < length {
-            return Ok(None);
+            Err(MachineError::ThroughBlock { .. }) => Ok(Some(f64::INFINITY)),
+            Err(error) => Err(error),
         }
-        let after = drive
-            .samples
-            .partition_point(|sample| sample.depth < length && sample.time < drive.stop_time);
-        let Some((a, b)) = drive.samples.get(after - 1).zip(drive.samples.get(after)) else {
-            return Ok(Some(length / drive.stop_time));
-        };
-        if b.time > drive.stop_time {
-            return Ok(Some(length / drive.stop_time));
-        }
-        // Within a sample the speed is straight: a half step of Newton to the depth.
-        let rate = (b.speed - a.speed) / (b.time - a.time);
-        let rest = length - a.depth;
-        let dt = 2.0 * rest / (a.speed + (a.speed * a.speed + 2.0 * rate * rest).max(0.0).sqrt());
-        Ok(Some(length / (a.time + dt)))
     };
     // NL/time rises with the speed of impact, from what just reaches full depth on.
     let (mut low, mut high) = (mean, 10.0 * mean);

@@ -121,17 +121,6 @@ impl Air {
         before * r.chain(value, slope) - behind
     }
 
-    /// Mass flow between `a` and `b`, positive from `a` to `b` \[kg/s\].
-    #[inline]
-    pub(crate) fn exchange<S: Real>(&self, area: f64, a: Gas<S>, b: Gas<S>) -> S {
-        let area = S::constant(area);
-        if a.pressure.value() >= b.pressure.value() {
-            self.flow(area, a, b.pressure)
-        } else {
-            -self.flow(area, b, a.pressure)
-        }
-    }
-
     /// Pressure between two restrictions in series with C A = `first`, then `second`.
     ///
     /// Solves first P_u N(P_m/P_u) = second P_m N(P_d/P_m) for P_d <= P_m <= P_u, with the same temperature in both

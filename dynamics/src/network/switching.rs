@@ -156,7 +156,7 @@ impl Slot {
                 let fastener = &plan.fasteners[*i];
                 match mode.switches[fastener.head] {
                     head::WAITING => fastener.head_at - w.travel(fastener.stroke),
-                    head::ATTACHED => w.velocity[fastener.stroke.on],
+                    head::ATTACHED if !fastener.leaves_unloaded => w.velocity[fastener.stroke.on],
                     _ => f64::INFINITY,
                 }
             }
@@ -273,7 +273,14 @@ impl Slot {
                         mode.switches[fastener.depth] = depth::UNLOADING;
                         return Some(word(Family::Fastener, *i, 0, Action::Unloads));
                     }
-                    _ => mode.switches[fastener.depth] = depth::FREE,
+                    _ => {
+                        mode.switches[fastener.depth] = depth::FREE;
+                        // The driver pushes a fastener that pushes back: no force between them without one of the work.
+                        if fastener.leaves_unloaded && mode.switches[fastener.head] == head::ATTACHED {
+                            mode.switches[fastener.head] = head::LEFT;
+                            return Some(word(Family::Fastener, *i, 0, Action::Left));
+                        }
+                    }
                 }
                 None
             }

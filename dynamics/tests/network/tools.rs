@@ -148,3 +148,31 @@ fn a_valve_air_gun_shoots_as_measured_where_it_was_fitted() {
         assert!((speed - expected).abs() < 0.01, "{gauge} Pa: {speed} m/s");
     }
 }
+
+/// A nail that the wood pushes back moves with the projectile. By the rule of the nailing cycle, the projectile leaves
+/// it at the reversal and takes all of the force.
+#[test]
+fn a_projectile_rebounds_with_the_mass_of_a_nail_that_is_pushed_against_it() {
+    let mut rig = built_in("impact_rig");
+    rig.end = 35e-3;
+    let gravity = rig.gravity;
+    let (projectile, nail) = (rig.bodies[1].mass, rig.fasteners[0].mass);
+    let unloading = rig.fasteners[0].seated.unloading;
+    let mut rebounds = [(true, projectile + nail), (false, projectile)].map(|(unloaded, mass)| {
+        rig.fasteners[0].leaves_unloaded = unloaded;
+        let record = sampled(&rig, 1e-6);
+        let force = record.peak("nail").unwrap();
+        let swing = force * force / (unloading * mass) - 2.0 * gravity * force / unloading;
+        let velocity = record.get("projectile.velocity").unwrap();
+        let rebound = -velocity.iter().copied().fold(0.0, f64::min);
+        assert!(
+            (rebound / swing.sqrt() - 1.0).abs() < 1e-4,
+            "{rebound} {}",
+            swing.sqrt()
+        );
+        assert!(record.is_certified(), "{:?}", record.checks);
+        rebound
+    });
+    rebounds.sort_by(f64::total_cmp);
+    assert!(rebounds[1] > 1.02 * rebounds[0], "{rebounds:?}");
+}

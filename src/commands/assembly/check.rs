@@ -334,7 +334,7 @@ fn forces(assembly: &Assembly) -> Table {
         assembly
             .fasteners
             .iter()
-            .map(|own| pair("fastener", &own.name, own.driver, Base::Body(own.into))),
+            .map(|own| pair("fastener", &own.name, own.driver, own.into)),
     );
     Table {
         name: "forces",

@@ -139,7 +139,9 @@ pub(crate) fn fastener_length(design: &Design) -> Option<f64> {
     let cycle = cycle(design).ok()??;
     let workpiece = body(&cycle.assembly, WORKPIECE)?;
     let mut fasteners = cycle.assembly.fasteners.iter();
-    fasteners.find(|own| own.into == workpiece).map(|own| own.length)
+    fasteners
+        .find(|own| own.into == Base::Body(workpiece))
+        .map(|own| own.length)
 }
 
 /// Whether a design's tool has a body of this name. That of the keys has housing and workpiece, and so has a tool whose

@@ -1,5 +1,6 @@
 //! Inputs of the responses of workpiece, support and tool.
 
+use nailnoise_dynamics::network::assembly::Base;
 use nailnoise_fem::vibration::Support;
 
 use super::assembly::{body, tool_mass};
@@ -47,7 +48,7 @@ fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
         Engine::Assembly(cycle) => {
             let workpiece = body(&cycle.assembly, WORKPIECE)?;
             let mut fasteners = cycle.assembly.fasteners.iter();
-            FastenerLaw::Fastener(fasteners.find(|own| own.into == workpiece)?.clone())
+            FastenerLaw::Fastener(fasteners.find(|own| own.into == Base::Body(workpiece))?.clone())
         }
     };
     Some(DrivenFastener {

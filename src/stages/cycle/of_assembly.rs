@@ -109,7 +109,8 @@ impl<'a> Histories<'a> {
 
     fn fasteners_in(&self, body: usize) -> impl Iterator<Item = &str> {
         let all = self.assembly.fasteners.iter();
-        all.filter(move |own| own.into == body).map(|own| own.name.as_str())
+        all.filter(move |own| own.into == Base::Body(body))
+            .map(|own| own.name.as_str())
     }
 
     /// Force of other bodies on a body through contacts, springs and friction, positive downwards; supports on the

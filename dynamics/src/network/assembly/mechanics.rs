@@ -237,8 +237,8 @@ pub struct Fastener {
     pub name: String,
     /// Index of the driving body.
     pub driver: usize,
-    /// Index of the body it enters.
-    pub into: usize,
+    /// Body it enters.
+    pub into: Base,
     /// Body that guides it and carries the guide's friction.
     pub guide: Base,
     /// Travel of the driver (relative to its parent) at which it hits the head \[m\].
@@ -251,6 +251,9 @@ pub struct Fastener {
     pub mass: f64,
     /// Whether the mass joins the driver in a plastic impact.
     pub impact: bool,
+    /// Whether the driver leaves it when the workpiece no longer pushes it back, as unilateral contact requires, in
+    /// place of the driver's reversal, the rule of the nailing cycle (Nili Ahmadabadi 2016, ch. 4).
+    pub leaves_unloaded: bool,
     /// Resistance of the workpiece.
     pub law: FastenerLaw,
     /// Whether unloading follows the same curve (published form).
@@ -299,6 +302,8 @@ pub struct WoodLaw {
     pub friction_share: f64,
     /// Factor of a coating on that friction.
     pub coating: f64,
+    /// b, deviation of the specimen from the law, of s = sqrt(F_r/(H_M l)).
+    pub deviation: f64,
 }
 
 impl WoodLaw {
@@ -324,6 +329,7 @@ impl WoodLaw {
         };
         Envelope::new(&driven, self.head_diameter, !fastener.reversible)
             .with_head_stiffness(fastener.seated.head_stiffness)
+            .with_deviation(self.deviation, &specimen)
     }
 }
 

@@ -146,14 +146,13 @@ pub(super) fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
         .fasteners
         .iter()
         .map(|f| FastenerPlan {
-            work: Pair {
-                on: f.driver,
-                against: if c.driven == Some(f.into) {
-                    // The material that grips the fastener.
-                    assembly.bodies.len() + 1
-                } else {
-                    f.into
+            work: match f.into {
+                // The material that grips the fastener.
+                Base::Body(body) if c.driven == Some(body) => Pair {
+                    on: f.driver,
+                    against: assembly.bodies.len() + 1,
                 },
+                into => c.pair(f.driver, into),
             },
             guide: c.pair(f.driver, f.guide),
             stroke: c.pair(f.driver, assembly.bodies[f.driver].parent),
@@ -162,6 +161,7 @@ pub(super) fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
             length: f.length,
             mass: f.mass,
             impact: f.impact,
+            leaves_unloaded: f.leaves_unloaded,
             law: ShankLaw::of(f),
             reversible: f.reversible,
             head_stiffness: f.seated.head_stiffness,

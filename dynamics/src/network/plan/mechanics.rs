@@ -128,6 +128,7 @@ pub(crate) struct FastenerPlan {
     pub(crate) length: f64,
     pub(crate) mass: f64,
     pub(crate) impact: bool,
+    pub(crate) leaves_unloaded: bool,
     pub(crate) law: ShankLaw,
     pub(crate) reversible: bool,
     pub(crate) head_stiffness: f64,

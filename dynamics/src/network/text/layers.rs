@@ -12,7 +12,7 @@ use super::keys::standard;
 use super::node::{Entry, Node, Sources, Spot, Tree, entries};
 
 /// Built-in assemblies: name and text.
-pub const BUILT_IN: [(&str, &str); 8] = [
+pub const BUILT_IN: [(&str, &str); 9] = [
     ("n80cb", include_str!("../../../assemblies/n80cb.toml")),
     (
         "n80cb_as_published",
@@ -30,6 +30,7 @@ pub const BUILT_IN: [(&str, &str); 8] = [
         "air_gun_spring",
         include_str!("../../../assemblies/air_gun_spring.toml"),
     ),
+    ("impact_rig", include_str!("../../../assemblies/impact_rig.toml")),
 ];
 
 /// The assembly used by a design without `[cycle]`.

@@ -4,7 +4,7 @@ use nailnoise_penetration::{HeadLaw, NailedWood, RateLaw, ResistanceLaw, Shanks,
 
 use super::list::each;
 use super::mechanics::WIDTH;
-use super::tables::fastener::{FASTENER, IMPACTS, LAW_KINDS, LawKind};
+use super::tables::fastener::{FASTENER, IMPACTS, LAW_KINDS, LEAVES, LawKind};
 use crate::network::assembly::{Base, Body, Family, Fastener, FastenerLaw, Seated, WoodLaw};
 use crate::network::text::fault::AssemblyError;
 use crate::network::text::fields::Fields;
@@ -18,13 +18,14 @@ pub(super) fn fasteners(resolver: &Resolver<'_>, bodies: &[Body]) -> Result<Vec<
         Ok(Fastener {
             name: name.to_owned(),
             driver,
-            into: fields.index("into", Family::Body, "body")?,
+            into: fields.base("into")?.ok_or_else(|| fields.missing("into"))?,
             guide: fields.base("guide")?.unwrap_or(Base::Ground),
             head_at: fields.required("head_at")?,
             tip_at: fields.required("tip_at")?,
             length: fields.required("length")?,
             mass: fields.required("mass")?,
             impact: fields.word("impact", &IMPACTS)?.unwrap_or(true),
+            leaves_unloaded: fields.word("leaves", &LEAVES)?.unwrap_or(false),
             reversible: law.flag("reversible", false)?,
             law: fastener_law(&law, bodies.get(driver).map_or(0.0, |body| body.mass))?,
             seated: Seated {
@@ -96,5 +97,6 @@ fn wood_law(law: &Fields<'_, '_>, driving_mass: f64) -> Result<WoodLaw, Assembly
         legs: law.or("legs", 1.0)? as u32,
         friction_share: law.or("friction_share", Shanks::SMOOTH.friction_share)?,
         coating: law.or("coating", Shanks::SMOOTH.coating)?,
+        deviation: law.or("deviation", 0.0)?,
     })
 }

@@ -266,7 +266,7 @@ impl Sum<'_, '_> {
             force += share(block.on, block.against) * read(Family::Hold, index);
         }
         for (index, block) in a.fasteners.iter().enumerate() {
-            force -= share(block.driver, Base::Body(block.into)) * read(Family::Fastener, index);
+            force -= share(block.driver, block.into) * read(Family::Fastener, index);
             let guide = self.channel(channel(Family::Fastener, index, Quantity::GuideForce), state);
             force -= share(block.driver, block.guide) * guide;
         }

@@ -12,6 +12,9 @@ use crate::network::text::table::{TableSpec, field, flag, name_of, one_of, quant
 /// Impacts of a driver on a fastener, and whether the impact is plastic.
 pub(in crate::network::text::blocks) const IMPACTS: [(&str, bool); 2] = [("plastic", true), ("mass", false)];
 const IMPACT_WORDS: [&str; 2] = words(&IMPACTS);
+/// When a driver leaves a fastener, and whether it is when the work no longer pushes back.
+pub(in crate::network::text::blocks) const LEAVES: [(&str, bool); 2] = [("reversal", false), ("unloaded", true)];
+const LEAVES_WORDS: [&str; 2] = words(&LEAVES);
 /// Laws of the resistance to a fastener.
 #[derive(Clone, Copy)]
 pub(in crate::network::text::blocks) enum LawKind {
@@ -85,6 +88,12 @@ const FASTENER_LAW: TableSpec = TableSpec::of(
             "\"=nail.coating\"",
             "factor of a coating on that friction (1)",
         ),
+        quantity(
+            "deviation",
+            any(NUMBER).within(-1.0, 1.0),
+            "\"=specimen.deviation\"",
+            "deviation of a specimen from the law of a wood, of sqrt(F/(hardness length)) (0)",
+        ),
         one_of("rate", RateLaw::WORDS, "dependence on the speed (\"none\")").such_as("\"=wood.rate\""),
         quantity(
             "crushing_rate",
@@ -152,7 +161,7 @@ pub(in crate::network::text::blocks) const FASTENER: TableSpec = TableSpec::of(
     "fastener",
     &[
         name_of("driver", BODY_NAME, "body that drives it"),
-        name_of("into", BODY_NAME, "body that it enters"),
+        name_of("into", BASE, "body that it enters"),
         name_of("guide", BASE, "body that guides it (ground)"),
         quantity(
             "head_at",
@@ -172,6 +181,11 @@ pub(in crate::network::text::blocks) const FASTENER: TableSpec = TableSpec::of(
             "impact",
             &IMPACT_WORDS,
             "whether the driver's impact is plastic, or the mass only joins (\"plastic\")",
+        ),
+        one_of(
+            "leaves",
+            &LEAVES_WORDS,
+            "whether the driver leaves it at its reversal, or where the work no longer pushes back (\"reversal\")",
         ),
         table("law", &FASTENER_LAW, "resistance of the work").such_as("{ kind = \"constant\", force = \"600 N\" }"),
         quantity(
