@@ -150,7 +150,10 @@ fn computed(arguments: &Arguments, checks: &mut Vec<Check>) -> Result<(String, P
     let delivery = Delivery {
         design: &design,
         folder: &folder,
-        exports: Exports::default(),
+        exports: Exports {
+            units: arguments.shown.units,
+            ..Exports::default()
+        },
         screening: true,
         printer: super::run::printed,
         store: &arguments.keeping.cache()?,

@@ -251,7 +251,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     sections.extend([
         Section::new("methods", "Methods", methods::section(result, &value)).in_the_appendix(),
         Section::new("assumptions", "Assumptions", assumptions::section(design)).in_the_appendix(),
-        Section::new("checks", "Checks", tables::checks(result)).in_the_appendix(),
+        Section::new("checks", "Checks", tables::checks(result, units)).in_the_appendix(),
         Section::new("origin", "Origin", origin(result)).in_the_appendix(),
     ]);
     Page {

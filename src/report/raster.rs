@@ -13,14 +13,27 @@ const MARGIN: f64 = 0.03;
 /// Brightness of a face whose normal is perpendicular to the line of sight; a face that faces the viewer has 1.
 const AMBIENT: f64 = 0.62;
 
-/// The colour scale Cividis (Nuñez, Anderton and Renslow 2018) at five places.
-pub(super) const COLOURS: [[f64; 3]; 5] = [
-    [0.0, 34.0, 78.0],
-    [65.0, 77.0, 107.0],
-    [124.0, 123.0, 120.0],
-    [188.0, 175.0, 111.0],
-    [254.0, 232.0, 56.0],
+/// The colour scale viridis (Smith and van der Walt 2015) at equal steps. Its lightness increases evenly, also for the
+/// colour-blind, and no colour of it is grey, the colour of covered faces.
+pub(super) const COLOURS: [[f64; 3]; 11] = [
+    [68.0, 1.0, 84.0],
+    [72.0, 36.0, 117.0],
+    [65.0, 68.0, 135.0],
+    [53.0, 95.0, 141.0],
+    [42.0, 120.0, 142.0],
+    [33.0, 145.0, 140.0],
+    [34.0, 168.0, 132.0],
+    [68.0, 191.0, 112.0],
+    [122.0, 209.0, 81.0],
+    [189.0, 223.0, 38.0],
+    [253.0, 231.0, 37.0],
 ];
+
+/// The colour scale as the stops of a gradient in CSS.
+pub(super) fn css() -> String {
+    let colour = |[r, g, b]: [f64; 3]| format!("rgb({r} {g} {b})");
+    COLOURS.map(colour).join(", ")
+}
 
 /// A triangle in space with its colour.
 pub(super) struct Triangle {
@@ -155,6 +168,16 @@ mod tests {
         Triangle {
             corners: [corner(-1.0, -1.0), corner(1.0, -1.0), corner(0.0, 1.0)],
             colour,
+        }
+    }
+
+    /// A mean of colours that is grey would look like a covered face, bright or shaded.
+    #[test]
+    fn no_colour_of_the_scale_is_grey() {
+        for step in 0..=100 {
+            let [most, least] = [f64::max, f64::min].map(|of| scale(f64::from(step) / 100.0).into_iter().reduce(of));
+            let (most, least) = (most.unwrap(), least.unwrap());
+            assert!((most - least) / most > 0.5, "{step} %: {least} to {most}");
         }
     }
 

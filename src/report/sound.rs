@@ -99,12 +99,12 @@ fn levels(report: &MicrophoneReport) -> Markup {
         .iter()
         .map(|source| (source.source.as_str(), source.levels.as_slice()));
     let sources: Vec<(&str, &[MicrophoneLevel])> = sources.chain([("all", report.total.levels.as_slice())]).collect();
-    let columns = [Column::number("microphone"), Column::words("x, y, z, m")];
+    let columns = [Column::number("microphone"), Column::words("x, y, z")];
     let of_source = sources
         .iter()
         .map(|(name, _)| Column::number(format!("{name}, L_{{AE}} dB")));
     let rows = report.positions_m.iter().enumerate().map(|(number, [x, y, z])| {
-        let place = [(number + 1).to_string(), format!("{x:.2}, {y:.2}, {z:.2}")];
+        let place = [(number + 1).to_string(), format!("{x:.2}, {y:.2}, {z:.2} m")];
         let level = |levels: &[MicrophoneLevel]| tables::decibels(levels.get(number).and_then(|level| level.lae_db));
         let levels = sources.iter().map(|(_, levels)| level(levels));
         place.into_iter().chain(levels).map(Cell::from).collect()

@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::table;
 use crate::result::RunResult;
 use crate::tables::{Column, Table, run};
+use crate::units::Units;
 use crate::wording::rounded;
 
 /// Keys of a ranked source with a dedicated form in the report.
@@ -34,7 +35,7 @@ pub(super) fn decibels(level: Option<f64>) -> String {
 }
 
 /// The checks, failed ones first.
-pub(super) fn checks(result: &RunResult) -> Markup {
+pub(super) fn checks(result: &RunResult, units: Units) -> Markup {
     let failed = result.checks.iter().filter(|check| !check.ok).count();
     let mut checks: Vec<_> = result.checks.iter().collect();
     checks.sort_by_key(|check| check.ok);
@@ -45,7 +46,7 @@ pub(super) fn checks(result: &RunResult) -> Markup {
         }
         details open[failed > 0] {
             summary { "every check" }
-            (table::markup(&run::checks(checks)))
+            (table::markup(&run::checks(checks).in_units(units)))
         }
     }
 }

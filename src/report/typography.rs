@@ -5,7 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::figures::subscripts;
 
 /// Characters in the terminal, and their typeset form on a page.
-const TYPESET: [(&str, &str); 18] = [
+const TYPESET: [(&str, &str); 21] = [
     ("+-", "\u{b1}"),
     ("<= ", "\u{2264} "),
     (">= ", "\u{2265} "),
@@ -15,6 +15,9 @@ const TYPESET: [(&str, &str); 18] = [
     ("mm2", "mm\u{b2}"),
     ("cm3", "cm\u{b3}"),
     ("/m3", "/m\u{b3}"),
+    ("/m2", "/m\u{b2}"),
+    ("(m2", "(m\u{b2}"),
+    ("/ft3", "/ft\u{b3}"),
     (" ft3", " ft\u{b3}"),
     ("[ft3", "[ft\u{b3}"),
     ("[m3", "[m\u{b3}"),
@@ -33,18 +36,41 @@ pub(super) fn with_subscripts(text: &str) -> Markup {
     PreEscaped(subscripts(&escaped, "<sub>", "</sub>"))
 }
 
-/// The parts of a text with the signs of a page, each with whether it is a subscript.
-pub(super) fn parts(text: &str) -> Vec<(String, bool)> {
+/// How a part of a text is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Setting {
+    /// In the line.
+    Plain,
+    /// As a subscript.
+    Low,
+    /// As code: words between backticks.
+    Code,
+}
+
+/// The parts of a text with the signs of a page.
+pub(super) fn parts(text: &str) -> Vec<(String, Setting)> {
+    let mut parts = Vec::new();
+    for (place, part) in text.split('`').enumerate() {
+        match place % 2 {
+            1 => parts.push((part.to_owned(), Setting::Code)),
+            _ => parts.extend(with_low(part)),
+        }
+    }
+    parts.retain(|(part, _)| !part.is_empty());
+    parts
+}
+
+/// The parts of a text without code.
+fn with_low(text: &str) -> Vec<(String, Setting)> {
     const ENDS: [&str; 2] = ["\u{2}", "\u{3}"];
     let [before, after] = ENDS;
     let marked = subscripts(&symbols(&typeset(text)), before, after);
     let mut parts = Vec::new();
     for part in marked.split(before) {
         let (low, plain) = part.split_once(after).unwrap_or(("", part));
-        parts.push((low.to_owned(), true));
-        parts.push((plain.to_owned(), false));
+        parts.push((low.to_owned(), Setting::Low));
+        parts.push((plain.to_owned(), Setting::Plain));
     }
-    parts.retain(|(part, _)| !part.is_empty());
     parts
 }
 
@@ -127,6 +153,8 @@ mod tests {
             ("n80cb-2", "n80cb-2"),
             ("variance 2.0 dB2", "variance 2.0 dB\u{b2}"),
             ("air a shot [ft3], 9.81 m/s2", "air a shot [ft\u{b3}], 9.81 m/s\u{b2}"),
+            ("26.8 lb/ft3, 200 W/(m2 K)", "26.8 lb/ft\u{b3}, 200 W/(m\u{b2} K)"),
+            ("20000 Pa s/m2", "20000 Pa s/m\u{b2}"),
             ("300 cm3 -> 500 cm3", "300 cm\u{b3} \u{2192} 500 cm\u{b3}"),
         ] {
             assert_eq!(typeset(plain), set);
@@ -134,14 +162,17 @@ mod tests {
     }
 
     #[test]
-    fn the_parts_of_a_text_are_low_or_not() {
-        let found = parts("L_WA,1s >= 102 dB, L_pC,peak");
-        let found: Vec<(&str, bool)> = found.iter().map(|(part, low)| (part.as_str(), *low)).collect();
+    fn the_parts_of_a_text_are_plain_low_or_code() {
+        let found = parts("L_WA,1s >= 102 dB, L_pC,peak: `study.n_max` is 0");
+        let found: Vec<(&str, Setting)> = found.iter().map(|(part, setting)| (part.as_str(), *setting)).collect();
         let expected = [
-            ("L", false),
-            ("WA,1s", true),
-            (" \u{2265} 102 dB, L", false),
-            ("pC,peak", true),
+            ("L", Setting::Plain),
+            ("WA,1s", Setting::Low),
+            (" \u{2265} 102 dB, L", Setting::Plain),
+            ("pC,peak", Setting::Low),
+            (": ", Setting::Plain),
+            ("study.n_max", Setting::Code),
+            (" is 0", Setting::Plain),
         ];
         assert_eq!(found, expected);
     }

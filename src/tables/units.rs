@@ -1,7 +1,7 @@
 //! Tables in the units of a reader.
 
 use super::{Cell, Table};
-use crate::units::{Conversion, Units, largest, numbers, renamed, unit_of};
+use crate::units::{Conversion, Units, even_decimals, largest, numbers, renamed, unit_of};
 
 impl Table {
     /// The table in these units. A unit ends the heading of its column, or is in square brackets at the end of the
@@ -17,8 +17,10 @@ impl Table {
                 None => text(&mut column.heading),
                 Some(conversion) => {
                     column.heading = renamed(&column.heading, conversion);
-                    let cells = self.rows.iter_mut().filter_map(|row| row.get_mut(place));
-                    cells.for_each(|cell| in_column(cell, conversion));
+                    in_column(
+                        self.rows.iter_mut().filter_map(|row| row.get_mut(place)).collect(),
+                        conversion,
+                    );
                 }
             }
         }
@@ -28,7 +30,7 @@ impl Table {
                 && let Some(conversion) = of_heading(units, &first.text, cells.iter())
             {
                 first.text = renamed(&first.text, conversion);
-                cells.iter_mut().for_each(|cell| in_column(cell, conversion));
+                in_column(cells.iter_mut().collect(), conversion);
             }
             for cell in row {
                 text(&mut cell.text);
@@ -50,9 +52,13 @@ fn of_heading<'a>(units: Units, heading: &str, cells: impl Iterator<Item = &'a C
     units.conversion(unit_of(heading), most)
 }
 
-fn in_column(cell: &mut Cell, conversion: Conversion) {
-    if let Some(shown) = numbers(&cell.text, conversion) {
-        cell.text = shown;
+/// Converts cells with one unit, whose numbers have the same decimals where that is possible.
+fn in_column(cells: Vec<&mut Cell>, conversion: Conversion) {
+    let decimals = even_decimals(cells.iter().map(|cell| cell.text.as_str()), conversion);
+    for cell in cells {
+        if let Some(shown) = numbers(&cell.text, conversion, decimals) {
+            cell.text = shown;
+        }
     }
 }
 
@@ -99,10 +105,25 @@ mod tests {
     }
 
     #[test]
+    fn the_numbers_of_a_column_have_the_same_decimals() {
+        let rows = ["1.6", "5.3", "0.0", "12.4"].map(|text| vec![text.into()]);
+        let shown = Table::new([Column::number("head mm")], rows).in_units(Units::Us);
+        assert_eq!(texts(&shown), [["0.063"], ["0.209"], ["0.000"], ["0.488"]]);
+    }
+
+    #[test]
+    fn a_check_has_its_unit_in_brackets() {
+        let columns = [Column::words("check"), Column::number("value"), Column::number("limit")];
+        let rows = [vec!["momentum balance [N s]".into(), "1.00e0".into(), "1e1".into()]];
+        let shown = Table::new(columns, rows).in_units(Units::Us);
+        assert_eq!(texts(&shown), [["momentum balance [lbf s]", "0.2248", "2.248"]]);
+    }
+
+    #[test]
     fn a_row_has_the_unit_of_its_name() {
         let columns = [Column::words("key"), Column::number("a"), Column::number("b")];
         let rows = [vec!["supply.pressure [Pa]".into(), "763200".into(), "689475.7".into()]];
         let shown = Table::new(columns, rows).in_units(Units::Us);
-        assert_eq!(texts(&shown), [["supply.pressure [psi]", "110.69", "100.00000"]]);
+        assert_eq!(texts(&shown), [["supply.pressure [psi]", "110.69", "100.00"]]);
     }
 }

@@ -1,8 +1,9 @@
 //! Conversion of metric units to those of the United States.
 //!
 //! Exact definitions: the inch of 25.4 mm and the avoirdupois pound of 0.453 592 37 kg (international yard and pound
-//! agreement of 1959), the standard acceleration of gravity of 9.806 65 m/s2 (CGPM 1901). NIST SP 811, appendix B, has
-//! the factors that follow. Standard air has 0.075 lb/ft3 (AMCA 210).
+//! agreement of 1959), the standard acceleration of gravity of 9.806 65 m/s2 (CGPM 1901), the British thermal unit of
+//! 1 055.055 852 62 J (International Table, 1956). NIST SP 811, appendix B, has the factors that follow. Standard air
+//! has 0.075 lb/ft3 (AMCA 210).
 
 const INCH: f64 = 0.0254;
 const FOOT: f64 = 12.0 * INCH;
@@ -10,6 +11,8 @@ const POUND: f64 = 0.453_592_37;
 const OUNCE: f64 = POUND / 16.0;
 const POUND_FORCE: f64 = POUND * 9.806_65;
 const PSI: f64 = POUND_FORCE / (INCH * INCH);
+const BTU: f64 = 1_055.055_852_62;
+const RANKINE: f64 = 5.0 / 9.0;
 const CUBIC_FOOT: f64 = FOOT * FOOT * FOOT;
 
 /// Density of the air of a standard cubic foot \[kg/m3\].
@@ -86,6 +89,9 @@ pub(super) fn to_us(unit: &str, largest: f64) -> Option<Conversion> {
         "kN/mm" => (1e6, ("lbf/in", POUND_FORCE / INCH)),
         "N/m3" => (1.0, ("lbf/in3", POUND_FORCE / (INCH * INCH * INCH))),
         "m2/s2" => (1.0, ("ft2/s2", FOOT * FOOT)),
+        "W/(m2 K)" => (1.0, ("Btu/(h ft2 degF)", BTU / (3600.0 * FOOT * FOOT * RANKINE))),
+        "J/(kg K)" => (1.0, ("ft-lbf/(lb degR)", FOOT * POUND_FORCE / (POUND * RANKINE))),
+        "N s" => (1.0, ("lbf s", POUND_FORCE)),
         "N s/m" => (1.0, ("lbf s/in", POUND_FORCE / INCH)),
         "N s/mm" => (1e3, ("lbf s/in", POUND_FORCE / INCH)),
         "L/min" | "l/min" => (1e-3, ("cfm", CUBIC_FOOT)),
@@ -165,6 +171,9 @@ mod tests {
             ("kN/mm", 0.175_126_835_246_476, "lbf/in", 1000.0),
             ("N/m3", 271_447.137_526_313, "lbf/in3", 1.0),
             ("m2/s2", 0.092_903_04, "ft2/s2", 1.0),
+            ("W/(m2 K)", 5.678_263_341_113_488, "Btu/(h ft2 degF)", 1.0),
+            ("J/(kg K)", 5.380_320_456, "ft-lbf/(lb degR)", 1.0),
+            ("N s", 4.448_221_615_260_5, "lbf s", 1.0),
             ("N s/m", 175.126_835_246_476, "lbf s/in", 1.0),
             ("N s/mm", 0.175_126_835_246_476, "lbf s/in", 1.0),
             ("L/min", 28.316_846_592, "cfm", 1.0),

@@ -10,6 +10,9 @@ use super::factors::{Conversion, to_us};
 /// Most numbers that share one unit.
 const MOST: usize = 8;
 
+/// Largest ratio of the sizes of numbers that have the same decimals without having them in the metric unit.
+const SPREAD: f64 = 100.0;
+
 /// Fewest significant digits of a converted number.
 const DIGITS: i32 = 3;
 
@@ -29,8 +32,8 @@ const BETWEEN: [&str; 12] = [
     " by ",
 ];
 
-/// Units of two words.
-const TWO_WORDS: [&str; 3] = ["N s/mm", "N s/m", "N m"];
+/// Units of two words, also with raised digits.
+const TWO_WORDS: [&str; 6] = ["N s/mm", "N s/m", "N m", "W/(m2 K)", "W/(m\u{b2} K)", "J/(kg K)"];
 
 /// A text with its quantities in units of the United States, on a page with raised digits.
 pub(super) fn converted(text: &str, on_page: bool) -> Cow<'_, str> {
@@ -55,17 +58,46 @@ pub(super) fn converted(text: &str, on_page: bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The numbers of a cell whose unit is in its heading; `None` if the cell has anything else.
-pub(crate) fn numbers(text: &str, conversion: Conversion) -> Option<String> {
+/// The numbers of a cell whose unit is in its heading, with this number of decimals if there is one; `None` if the cell
+/// has anything else.
+pub(crate) fn numbers(text: &str, conversion: Conversion, decimals: Option<usize>) -> Option<String> {
     let numbers = list(text)?;
     let mut shown = String::new();
     let mut copied = 0;
     for own in numbers {
         shown.push_str(&text[copied..own.start]);
-        shown.push_str(&number(&text[own.clone()], conversion, exact(text, own.start)));
+        let exact = exact(text, own.start);
+        shown.push_str(&number(&text[own.clone()], conversion, exact, decimals));
         copied = own.end;
     }
     Some(shown)
+}
+
+/// The number of decimals of the numbers of cells that share a unit; see [`even`].
+pub(crate) fn even_decimals<'a>(cells: impl Iterator<Item = &'a str>, conversion: Conversion) -> Option<usize> {
+    let texts = cells.flat_map(|cell| list(cell).unwrap_or_default().into_iter().map(move |own| &cell[own]));
+    even(texts.collect(), conversion)
+}
+
+/// The number of decimals at which numbers with one unit are shown alike: that of the largest, or more, so that the
+/// smallest has its digits. `None` if there is no such number: exponents, or sizes that differ too much and do not have
+/// the same decimals in the metric unit.
+fn even(mut texts: Vec<&str>, conversion: Conversion) -> Option<usize> {
+    if texts.iter().any(|text| text.contains(['e', 'E'])) {
+        return None;
+    }
+    texts.sort_by(|a, b| size(a).unwrap_or(0.0).total_cmp(&size(b).unwrap_or(0.0)));
+    let largest = texts.last()?;
+    let converted = |text: &str| Some(conversion.of(size(text)?));
+    let own = decimals(largest, converted(largest)?, conversion)?;
+    let alike = texts.iter().all(|text| fraction(text) == fraction(largest));
+    let smallest = texts.iter().find(|text| size(text).is_some_and(|size| size > 0.0))?;
+    let needed = (DIGITS - 1 - converted(smallest)?.abs().log10().floor() as i32).max(0) as usize;
+    match conversion.offset {
+        0.0 if !alike && size(largest)? > SPREAD * size(smallest)? => None,
+        0.0 if !alike => Some(own.max(needed)),
+        _ => Some(own),
+    }
 }
 
 /// The size of the largest number of a cell that has only numbers.
@@ -131,9 +163,14 @@ impl Quantities {
 
     fn write(&self, text: &str, on_page: bool, shown: &mut String) {
         let mut copied = self.numbers[0].start;
+        let decimals = even(
+            self.numbers.iter().map(|own| &text[own.clone()]).collect(),
+            self.conversion,
+        );
         for own in &self.numbers {
             shown.push_str(&text[copied..own.start]);
-            shown.push_str(&number(&text[own.clone()], self.conversion, exact(text, own.start)));
+            let exact = exact(text, own.start);
+            shown.push_str(&number(&text[own.clone()], self.conversion, exact, decimals));
             copied = own.end;
         }
         shown.push(' ');
@@ -227,8 +264,42 @@ fn size(number: &str) -> Option<f64> {
     Some(number.abs())
 }
 
-/// A converted number with the resolution of the original and at least three digits.
-fn number(text: &str, conversion: Conversion, exact: bool) -> String {
+/// Number of decimals of a number as it is written.
+fn fraction(text: &str) -> usize {
+    text.split_once('.').map_or(0, |(_, fraction)| fraction.len())
+}
+
+/// Number of decimals of a converted number: the resolution of the original, and at least three digits; `None` for zero
+/// without an offset, which is written as it was.
+fn decimals(text: &str, own: f64, conversion: Conversion) -> Option<usize> {
+    let decimals = fraction(text);
+    let step = 2.0 * 10f64.powi(-(decimals as i32)) * conversion.factor;
+    let resolved = (-step.log10() - 1e-9).ceil().max(0.0) as i32;
+    let digits = match conversion.offset {
+        0.0 if own != 0.0 => DIGITS - 1 - own.abs().log10().floor() as i32,
+        0.0 => return None,
+        _ => 0,
+    };
+    // A value in pascals resolves more than it states.
+    let stated = text
+        .trim_start_matches(['-', '\u{2212}', '+', '0', '.'])
+        .replace('.', "");
+    let stated = if decimals > 0 {
+        stated.len()
+    } else {
+        stated.trim_end_matches('0').len()
+    };
+    let most = digits + 1 + (stated as i32 - DIGITS).max(0);
+    let resolved = if conversion.offset == 0.0 {
+        resolved.min(most)
+    } else {
+        resolved
+    };
+    Some(resolved.max(digits).max(0) as usize)
+}
+
+/// A converted number with these decimals, or else with the resolution of the original and at least three digits.
+fn number(text: &str, conversion: Conversion, exact: bool, given: Option<usize>) -> String {
     let typeset = text.starts_with('\u{2212}');
     let plain = text.replace('\u{2212}', "-");
     let Ok(value) = plain.parse::<f64>() else {
@@ -239,31 +310,17 @@ fn number(text: &str, conversion: Conversion, exact: bool) -> String {
     } else {
         conversion.factor * value
     };
+    // A zero without decimals is exact.
+    if value == 0.0 && conversion.offset == 0.0 && !plain.contains('.') {
+        return text.to_owned();
+    }
     let shown = if plain.contains(['e', 'E']) {
         rounded(own, DIGITS as usize + 1, 1e5)
     } else {
-        let decimals = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len() as i32);
-        let step = 2.0 * 10f64.powi(-decimals) * conversion.factor;
-        let resolved = (-step.log10() - 1e-9).ceil().max(0.0) as i32;
-        let digits = match conversion.offset {
-            0.0 if own != 0.0 => DIGITS - 1 - own.abs().log10().floor() as i32,
-            0.0 => return text.to_owned(),
-            _ => 0,
-        };
-        // A value in pascals resolves more than it states.
-        let stated = plain.trim_start_matches(['-', '+', '0', '.']).replace('.', "");
-        let stated = if decimals > 0 {
-            stated.len()
-        } else {
-            stated.trim_end_matches('0').len()
-        };
-        let most = digits + 1 + (stated as i32 - DIGITS).max(0);
-        let resolved = if conversion.offset == 0.0 {
-            resolved.min(most)
-        } else {
-            resolved
-        };
-        format!("{own:.*}", resolved.max(digits).max(0) as usize)
+        match given.or_else(|| decimals(&plain, own, conversion)) {
+            Some(decimals) => format!("{own:.decimals$}"),
+            None => return text.to_owned(),
+        }
     };
     let shown = if plain.starts_with('+') && own > 0.0 {
         format!("+{shown}")
@@ -303,6 +360,8 @@ mod tests {
             ("12 N s/m", "0.0685 lbf s/in"),
             ("1.10E8 N/mm", "6.281e8 lbf/in"),
             ("12 cm3", "0.732 in3"),
+            ("20 .. 200 W/(m2 K)", "3.5 .. 35.2 Btu/(h ft2 degF)"),
+            ("287.1 J/(kg K)", "53.36 ft-lbf/(lb degR)"),
             ("7 bar (101.5 psig)", "102 psi (101.5 psig)"),
         ] {
             assert_eq!(converted(si, false), us, "{si}");
@@ -314,9 +373,11 @@ mod tests {
         for (si, us) in [
             ("300 x 38 x 38 mm", "11.81 x 1.50 x 1.50 in"),
             ("5.64 .. 8.74 mm", "0.2220 .. 0.3441 in"),
-            ("x = 0.30, y = 0.20, z = 1.50 m", "x = 0.984, y = 0.656, z = 4.92 ft"),
+            ("x = 0.30, y = 0.20, z = 1.50 m", "x = 0.98, y = 0.66, z = 4.92 ft"),
             ("0.30 and 0.40 m", "11.8 and 15.7 in"),
             ("70 to 120 mm", "2.76 to 4.72 in"),
+            ("121 .. 121.5 mm", "4.764 .. 4.783 in"),
+            ("0 .. 40 mm2", "0 .. 0.0620 in2"),
         ] {
             assert_eq!(converted(si, false), us, "{si}");
         }
@@ -330,7 +391,7 @@ mod tests {
             "nail.length = \"60 mm\"",
             "velocity, dB re 5e-8 m/s",
             "n80cb-2 mm, t12 m, 3x4 mm2x",
-            "20 uPa, 2 Pa, 1 pW, 4 Pa s/m2, 8 W/(m2 K), 3 N s/m3",
+            "20 uPa, 2 Pa, 1 pW, 4 Pa s/m2, 3 N s/m3",
             "0.5 K of scatter, 12 draws, 5 L_WA",
         ] {
             assert_eq!(converted(text, false), text);

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::design::{Assignment, Design, Value};
 use crate::units::{Conversion, Units};
+use crate::wording::readable_at;
 
 /// Maximum number of sliders on the page.
 const MOST: usize = 8;
@@ -43,7 +44,13 @@ impl Slider {
                 Value::Count(count) => (f64::from(count), true),
                 _ => return None,
             };
-            let (factor, unit) = Dimension::of_unit(&entry.unit).ok()?.readable();
+            let (factor, unit) = match Dimension::of_unit(&entry.unit).ok()?.readable() {
+                (_, radian) if radian == "rad" => {
+                    let (degree, factor) = readable_at(&radian, range[1]);
+                    (factor, degree.to_owned())
+                }
+                own => own,
+            };
             let [low, high] = range.map(|end| end * factor);
             // A value outside its range is shown at the end of the slider.
             let value = value * factor;
@@ -135,6 +142,17 @@ mod tests {
             found
                 .iter()
                 .all(|own| own.range[0] <= own.value && own.value <= own.range[1])
+        );
+    }
+
+    #[test]
+    fn an_angle_is_in_degrees_which_a_design_can_have() {
+        let own = &sliders(&["head_valve.intake_angle"])[0];
+        let design = Design::load_with(SHIPPED, &[own.assign(own.value).unwrap()]).unwrap();
+        assert_eq!(own.unit, "deg");
+        assert!(
+            (design.head_valve.intake_angle.to_degrees() - own.value).abs() < 1e-9,
+            "{own:?}"
         );
     }
 

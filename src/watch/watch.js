@@ -12,10 +12,12 @@
   const row = ({ key, range: [low, high], unit, whole }) => {
     const label = document.createElement("label"), name = document.createElement("code"), input = document.createElement("input");
     const output = document.createElement("output");
-    name.textContent = key;
+    // A long key is broken behind a dot or an underscore.
+    name.append(...key.split(/(?<=[._])/).flatMap((piece) => [piece, document.createElement("wbr")]));
+    const shown = unit.replace(/(?<=[a-z])[23]/g, (digit) => ({ 2: "\u00b2", 3: "\u00b3" })[digit]);
     Object.assign(input, { type: "range", name: key, min: low, max: high, step: whole ? 1 : "any" });
-    input.setAttribute("aria-description", `${figures(low)} to ${figures(high)} ${unit}`);
-    const say = () => { output.textContent = `${whole ? Math.round(input.value) : figures(Number(input.value))} ${unit}`; };
+    input.setAttribute("aria-description", `${figures(low)} to ${figures(high)} ${shown}`);
+    const say = () => { output.textContent = `${whole ? Math.round(input.value) : figures(Number(input.value))} ${shown}`; };
     // A key moves a continuous range by a fiftieth, not by the browser's guess.
     input.addEventListener("keydown", (event) => {
       const by = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];

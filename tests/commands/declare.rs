@@ -55,13 +55,19 @@ fn the_page_and_the_document_have_the_same_fields() {
         assert!(page.contains(part), "no {part} on the page");
         assert!(document.contains(part), "no {part} in\n{document}");
     }
+    // Keys are set as code, without the marks of a plain text.
+    assert!(
+        document.contains("study.screening") && !document.contains('`'),
+        "{document}"
+    );
     // Subscripts are runs of their own.
     assert!(page.contains("L<sub>WA,1s,d</sub>") && document.contains("LWA,1s,d"));
 }
 
 #[test]
 fn the_document_has_the_units_that_are_asked_for() {
-    let [_, page, document] = declared(&folder("declare-us"), &["--units", "us"]);
+    let out = folder("declare-us");
+    let [_, page, document] = declared(&out, &["--units", "us"]);
     let document = plain(&document);
     for text in [&page, &document] {
         assert!(
@@ -69,9 +75,10 @@ fn the_document_has_the_units_that_are_asked_for() {
             "{text}"
         );
     }
+    assert!(document.contains(" lb/ft\u{b3}"), "{document}");
+    let report = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(report.contains(" psi absolute") && report.contains("momentum balance [lbf s]"));
+    assert!(!report.contains(" W/(m"), "coefficients of heat transfer are in Btu");
     // The position of the ear has one unit.
-    assert!(
-        document.contains("ear at x = 0.00, y = 17.7, z = 33.5 in"),
-        "{document}"
-    );
+    assert!(document.contains("ear at x = 0.0, y = 17.7, z = 33.5 in"), "{document}");
 }

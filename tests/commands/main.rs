@@ -26,6 +26,7 @@ mod penetration_fit;
 mod penetration_tables;
 mod report;
 mod run;
+mod scene;
 mod structures;
 mod study;
 mod sweep;

@@ -5,8 +5,8 @@
 Windows of four widths, light and dark, without JavaScript, without WebGL, and in print. Asserts for each that nothing
 is requested from a network, that no error is in the console, that no label of a chart touches another or leaves the
 window, that texts have enough contrast and pictures a text; that the values under the pointer are there, series can be
-hidden, time is zoomed in all charts together, the 3D view turns, sounds load, and A and B run in step; that the file is
-short enough, and in print the summary has at most four pages. Saves screenshots (of all windows with --every-picture)
+hidden, time is zoomed in all charts together, the 3D view follows its controls (report_scene.py), sounds load, and A
+and B run in step; that the file is short enough, and in print the summary has at most four pages. Saves screenshots (of all windows with --every-picture)
 and the page as printed. Uses the Chromium of the system, or else that of playwright.
 """
 
@@ -16,6 +16,8 @@ import sys
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
+
+from report_scene import scene
 
 ARGUMENTS = ["--autoplay-policy=no-user-gesture-required", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
 WIDTHS = [360, 420, 768, 1400]
@@ -144,67 +146,6 @@ def charts(page: Page, report: Path) -> int:
         page.locator(".zoomed .whole").first.click()
         assert page.locator(".zoomed").count() == 0
     return count
-
-
-def scene(page: Page, report: Path, picture: Path) -> None:
-    """The view in space draws, begins as the picture, turns by the pointer and by the keys."""
-    canvas = page.locator(".scene canvas")
-    assert canvas.count() == 1, f"{report}: no view by WebGL"
-    canvas.scroll_into_view_if_needed()
-    page.wait_for_timeout(300)
-    before = canvas.screenshot(path=picture)
-    assert len(set(before)) > 200, f"{report}: the view is empty"
-    azimuth = page.evaluate("window.nailnoise.scene.azimuth")
-    box = canvas.bounding_box()
-    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
-    read = page.locator(".scene output").inner_text()
-    assert "dB" in read or "covered" in read or read == "", read
-    page.mouse.down()
-    page.mouse.move(box["x"] + 0.4 * box["width"] + 120, box["y"] + 0.5 * box["height"] + 30, steps=6)
-    page.mouse.up()
-    turned = page.evaluate("window.nailnoise.scene.azimuth")
-    canvas.focus()
-    page.keyboard.press("ArrowLeft")
-    page.wait_for_timeout(300)
-    assert abs(turned - azimuth) > 0.5 and page.evaluate("window.nailnoise.scene.azimuth") < turned, f"{report}: the view does not turn"
-    assert before != canvas.screenshot(), f"{report}: the view does not change"
-    page.locator(".view").select_option("1")
-    page.keyboard.press("Escape")
-    oscillate(page, report, picture)
-
-
-def oscillate(page: Page, report: Path, picture: Path) -> None:
-    """A mode is shown at its largest displacement, and moves on a button only; none at all is the beginning."""
-    canvas, swing = page.locator(".scene canvas"), "window.nailnoise.swing()"
-    assert page.evaluate(swing) == 0 and page.locator(".scene .play").is_hidden(), f"{report}: a mode moves unasked"
-    rest = canvas.screenshot()
-    page.locator(".scene .mode").select_option("0")
-    page.wait_for_timeout(200)
-    largest = page.evaluate(swing)
-    assert largest > 0 and canvas.screenshot(path=picture.with_stem(f"{picture.stem}-mode")) != rest, f"{report}: no mode is shown"
-    page.locator(".scene .play").click()
-    # Without a graphics processor a frame takes tenths of a second.
-    seen = set()
-    for _ in range(200):
-        page.wait_for_timeout(60)
-        seen.add(round(page.evaluate(swing)))
-        if len(seen) > 2:
-            break
-    assert len(seen) > 2 and max(map(abs, seen)) <= largest + 1, f"{report}: the mode does not oscillate: {seen}"
-    page.locator(".scene .play").click()
-    page.locator(".scene .mode").select_option("")
-    page.wait_for_timeout(200)
-    assert page.evaluate(swing) == 0
-    page.emulate_media(reduced_motion="reduce")
-    page.locator("button[data-mode]").nth(1).click()
-    page.wait_for_timeout(400)
-    still = page.evaluate(swing)
-    page.wait_for_timeout(200)
-    assert still != 0 and page.evaluate(swing) == still, f"{report}: a mode moves although motion is unwelcome"
-    page.locator(".scene .play").click()
-    assert page.evaluate(swing) == -still
-    page.emulate_media(reduced_motion="no-preference")
-    page.locator(".scene .mode").select_option("")
 
 
 def listen(page: Page, report: Path) -> int:

@@ -83,7 +83,7 @@ NUMBER = "() => Number(document.documentElement.dataset.shown || 0)"
 def look(page, pictures: Path, name: str) -> None:
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
-        for width in (1280, 400):
+        for width in (1400, 768, 360):
             page.set_viewport_size({"width": width, "height": 900})
             page.wait_for_timeout(700)
             page.screenshot(path=pictures / f"watch-{name}-{scheme}-{width}.png")

@@ -9,9 +9,14 @@ use crate::units::Units;
 const STYLE: &str = include_str!("style.css");
 
 /// Additions to charts, scene, sounds and drawing for browsers that run scripts.
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("charts.js"),
-    include_str!("scene.js"),
+    include_str!("scene/geometry.js"),
+    include_str!("scene/camera.js"),
+    include_str!("scene/painter.js"),
+    include_str!("scene/gestures.js"),
+    include_str!("scene/modes.js"),
+    include_str!("scene/scene.js"),
     include_str!("sound.js"),
     include_str!("drawing.js"),
 ];

@@ -7,7 +7,7 @@ use docx_rs::{
     TableLayoutType, TableRow, VertAlignType, WidthType,
 };
 
-use super::super::typography::parts;
+use super::super::typography::{Setting, parts};
 use super::{DIGEST, Sheet, TITLES};
 use crate::declaration::{Finished, Use};
 use crate::tables::Table;
@@ -28,6 +28,9 @@ const SPACES: [u32; 2] = [140, 50];
 
 /// Colour of a warning.
 const ALARM: &str = "B00020";
+
+/// Font of code.
+const CODE: &str = "Courier New";
 
 /// Line to be filled in by hand.
 const BLANK: &str = "\u{2026}";
@@ -88,15 +91,19 @@ pub(in super::super) fn document(of: &Finished, usage: Use, units: Units) -> Res
     Ok(bytes.into_inner())
 }
 
-/// A paragraph with typeset signs and low subscripts; `style` sets each of its runs.
+/// A paragraph with typeset signs, low subscripts and code; `style` sets each of its runs.
 fn set(text: &str, style: impl Fn(Run) -> Run) -> Paragraph {
     parts(text)
         .into_iter()
-        .fold(Paragraph::new(), |paragraph, (part, low)| {
+        .fold(Paragraph::new(), |paragraph, (part, setting)| {
             let mut run = style(Run::new().add_text(part));
-            if low {
-                let property: RunProperty = run.run_property;
-                run.run_property = property.vert_align(VertAlignType::SubScript);
+            match setting {
+                Setting::Plain => {}
+                Setting::Low => {
+                    let property: RunProperty = run.run_property;
+                    run.run_property = property.vert_align(VertAlignType::SubScript);
+                }
+                Setting::Code => run = run.fonts(RunFonts::new().ascii(CODE).hi_ansi(CODE)),
             }
             paragraph.add_run(run)
         })
