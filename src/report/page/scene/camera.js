@@ -8,15 +8,18 @@
     const first = { azimuth: Math.atan2(towards[1], towards[0]), elevation: Math.asin(towards[2]) };
     const right = Math.PI / 2, steep = 1.57;
     const sides = {
-      first, front: { azimuth: -right, elevation: 0 }, right: { azimuth: 0, elevation: 0 }, back: { azimuth: right, elevation: 0 },
-      left: { azimuth: 2 * right, elevation: 0 }, above: { azimuth: -right, elevation: steep }, below: { azimuth: -right, elevation: -steep },
+      first, front: { azimuth: -right, elevation: 0 },
+        right: { azimuth: 0, elevation: 0 }, back: { azimuth: right, elevation: 0 },
+      left: { azimuth: 2 * right, elevation: 0 },
+        above: { azimuth: -right, elevation: steep }, below: { azimuth: -right, elevation: -steep },
     };
     // `target` is the place in the middle of the canvas; `across` the width and height that fit at zoom 1.
     const own = { ...first, zoom: 1, target: [0, 0, 0], across: [1, 1], fitted: true };
 
     // To the right, up, and towards the viewer.
     own.axes = () => {
-      const [ca, sa, ce, se] = [Math.cos(own.azimuth), Math.sin(own.azimuth), Math.cos(own.elevation), Math.sin(own.elevation)];
+      const [ca, sa, ce, se] = [Math.cos(own.azimuth), Math.sin(own.azimuth),
+        Math.cos(own.elevation), Math.sin(own.elevation)];
       return [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
     };
     // Half of the canvas in units of space, for its width and height.

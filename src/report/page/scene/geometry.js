@@ -63,7 +63,8 @@
     // An edge that no other one continues at either end is a crease of a coarse mesh.
     const crease = ({ sides, ends: own }) => sides.length === 2 && own.every((point) => ends.get(point) === 1);
     edges.filter(crease).forEach(({ sides }) => smooth(sides));
-    return { group: Uint32Array.from(corners, (_, corner) => root(corner)), edges: edges.filter((edge) => !crease(edge)) };
+    return { group: Uint32Array.from(corners, (_, corner) => root(corner)),
+      edges: edges.filter((edge) => !crease(edge)) };
   };
 
   // The mean of vectors of triangles at each corner over its group, weighted by angles, relative to the length of the
@@ -121,7 +122,8 @@
       const range = ([from, to]) => Array.from({ length: to - from }, (_, index) => from + index);
       const list = [...range(given.free), ...range(given.covered)];
       const own = bodies[number];
-      const corners = Uint32Array.from(list.flatMap((triangle) => [...own.triangles.subarray(3 * triangle, 3 * triangle + 3)]));
+      const corners = Uint32Array.from(
+        list.flatMap((triangle) => [...own.triangles.subarray(3 * triangle, 3 * triangle + 3)]));
       const name = body.parts.length > 1 ? `${body.name}, ${given.name}` : body.name;
       return { name, body: number, stack: given.stack, list, ...part(own.points, corners) };
     }));

@@ -48,7 +48,8 @@
       }
     });
     // One finger scrolls the page up and down; two belong to the view.
-    canvas.addEventListener("touchmove", (event) => { if (event.touches.length > 1) event.preventDefault(); }, { passive: false });
+    canvas.addEventListener("touchmove", (event) =>
+      { if (event.touches.length > 1) event.preventDefault(); }, { passive: false });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("wheel", (event) => {
       if (!event.ctrlKey) return; // the page scrolls
@@ -58,7 +59,8 @@
     canvas.addEventListener("dblclick", (event) => act.only(...place(event.clientX, event.clientY)));
     canvas.addEventListener("keydown", (event) => {
       const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-      const keys = { "+": () => act.closer(1.25, 0, 0), "-": () => act.closer(0.8, 0, 0), Enter: () => act.read(0, 0), Escape: act.reset };
+      const keys = { "+": () => act.closer(1.25, 0, 0), "-": () => act.closer(0.8, 0, 0),
+        Enter: () => act.read(0, 0), Escape: act.reset };
       if (event.ctrlKey || event.metaKey || event.altKey || (!arrow && !keys[event.key])) return;
       event.preventDefault();
       if (!arrow) keys[event.key]();

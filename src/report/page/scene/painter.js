@@ -5,7 +5,8 @@
 
   const VERTEX = `
     attribute vec3 place; attribute vec3 normal; attribute vec3 tilt; attribute vec3 colour; attribute vec3 move;
-    uniform mat3 view; uniform vec3 target; uniform vec3 lift; uniform vec2 scale; uniform float middle; uniform float depth;
+    uniform mat3 view; uniform vec3 target; uniform vec3 lift; uniform vec2 scale;
+      uniform float middle; uniform float depth;
     uniform float swing;
     varying vec3 n; varying vec3 c;
     void main() {
@@ -57,13 +58,16 @@
       place: values(Float32Array, corners), normal: values(Float32Array, corners), tilt: values(Float32Array, corners),
       colour: values(Uint8Array, corners), move: values(Int8Array, corners),
     };
-    const edges = { place: values(Float32Array, ends), colour: values(Uint8Array, ends), move: values(Int8Array, ends) };
-    const copy = (to, from, point, at) => { for (let axis = 0; axis < 3; axis++) to[3 * at + axis] = from[3 * point + axis]; };
+    const edges = { place: values(Float32Array, ends), colour: values(Uint8Array, ends),
+      move: values(Int8Array, ends) };
+    const copy = (to, from, point, at) =>
+      { for (let axis = 0; axis < 3; axis++) to[3 * at + axis] = from[3 * point + axis]; };
     const pointwise = (faces, edges, values) => {
       for (const part of parts) {
         const own = values(part.body);
         part.corners.forEach((point, corner) => copy(faces, own, point, part.first + corner));
-        part.edges.forEach((edge, number) => edge.ends.forEach((point, end) => copy(edges, own, point, part.firstEnd + 2 * number + end)));
+        part.edges.forEach((edge, number) => edge.ends.forEach((point, end) =>
+          copy(edges, own, point, part.firstEnd + 2 * number + end)));
       }
     };
     pointwise(faces.place, edges.place, (body) => bodies[body].points);
@@ -76,7 +80,8 @@
       gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
     };
     [faces, edges].forEach((set) => Object.values(set).forEach(store));
-    const kinds = new Map([[Float32Array, [gl.FLOAT, false]], [Uint8Array, [gl.UNSIGNED_BYTE, true]], [Int8Array, [gl.BYTE, true]]]);
+    const kinds = new Map([[Float32Array, [gl.FLOAT, false]], [Uint8Array, [gl.UNSIGNED_BYTE, true]],
+      [Int8Array, [gl.BYTE, true]]]);
     const use = (set) => {
       for (const name of ["place", "normal", "tilt", "colour", "move"]) {
         const location = gl.getAttribLocation(program, name);

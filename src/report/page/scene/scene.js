@@ -8,7 +8,8 @@
   const canvas = document.createElement("canvas");
   const { geometry, camera: cameraFrom, gestures, painter: painterFor, modes: modesOf } = window.nailnoise;
   const plain = () => document.querySelectorAll(".in-space").forEach((own) => own.remove()); // the picture stays
-  const gl = canvas.getContext("webgl", { antialias: true, alpha: true, premultipliedAlpha: false, preserveDrawingBuffer: true });
+  const gl = canvas.getContext("webgl", { antialias: true, alpha: true,
+    premultipliedAlpha: false, preserveDrawingBuffer: true });
   if (!gl) return plain();
   const { bodies, parts } = geometry.decoded(data);
   const painter = painterFor(gl, bodies, parts);
@@ -30,7 +31,8 @@
       const points = bodies[part.body].points;
       for (const point of part.corners) {
         for (let axis = 0; axis < rows.length; axis++) {
-          const row = rows[axis], at = row[0] * points[3 * point] + row[1] * points[3 * point + 1] + row[2] * (points[3 * point + 2] + raised[index]);
+          const row = rows[axis], at = row[0] * points[3 * point] + row[1] * points[3 * point + 1] +
+            row[2] * (points[3 * point + 2] + raised[index]);
           low[axis] = Math.min(low[axis], at);
           top[axis] = Math.max(top[axis], at);
         }
@@ -44,15 +46,18 @@
   let box = null;
   const bound = () => {
     const { low, high } = above([[1, 0, 0], [0, 1, 0], [0, 0, 1]], parts.map(() => true));
-    box = { centre: low.map((value, axis) => 0.5 * (value + high[axis])), reach: 0.5 * Math.hypot(...low.map((value, axis) => high[axis] - value)) };
+    box = { centre: low.map((value, axis) => 0.5 * (value + high[axis])),
+      reach: 0.5 * Math.hypot(...low.map((value, axis) => high[axis] - value)) };
   };
   const draw = () => {
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.round(size * devicePixelRatio));
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight]
+      .map((size) => Math.round(size * devicePixelRatio));
     if (!width || !height) return;
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     const rows = camera.axes();
     painter.draw({
-      rows, target: camera.target, half: camera.half(width, height), middle: geometry.dot(rows[2], camera.target) - geometry.dot(rows[2], box.centre),
+      rows, target: camera.target, half: camera.half(width, height),
+        middle: geometry.dot(rows[2], camera.target) - geometry.dot(rows[2], box.centre),
       depth: box.reach + Math.abs(swing), swing, shown, lift: lift(), withEdges: one(".edges").checked, width, height,
     });
   };
@@ -63,7 +68,8 @@
   const displaced = (part, triangle) => {
     const shape = mode.body === part.body ? mode.shape : null;
     if (!shape) return 0;
-    const size = (corner) => { const point = 3 * bodies[part.body].triangles[3 * triangle + corner]; return Math.hypot(shape[point], shape[point + 1], shape[point + 2]); };
+    const size = (corner) => { const point = 3 * bodies[part.body].triangles[3 * triangle + corner];
+      return Math.hypot(shape[point], shape[point + 1], shape[point + 2]); };
     return (size(0) + size(1) + size(2)) / (3 * 127);
   };
   // A value of a triangle from 0 to 1 in the present view; null for a covered one.
@@ -80,7 +86,8 @@
   };
   const scale = Array.from({ length: 256 }, (_, level) => {
     const at = level / 255 * (data.colours.length - 1), first = Math.min(Math.floor(at), data.colours.length - 2);
-    return [0, 1, 2].map((c) => data.colours[first][c] + (data.colours[first + 1][c] - data.colours[first][c]) * (at - first));
+    return [0, 1, 2]
+      .map((c) => data.colours[first][c] + (data.colours[first + 1][c] - data.colours[first][c]) * (at - first));
   });
   const label = (view) => {
     const ofMode = view === "mode", top = data.views[view];
@@ -96,8 +103,10 @@
     });
     label(view);
     for (const entry of entries) {
-      const values = entry.parts.flatMap((index) => parts[index].list.map((_, place) => valueOf(parts[index], place))).filter((value) => value !== null);
-      entry.most.textContent = values.length ? words(values.reduce((most, value) => Math.max(most, value), 0)) : "covered";
+      const values = entry.parts.flatMap((index) => parts[index].list.map((_, place) => valueOf(parts[index], place)))
+        .filter((value) => value !== null);
+      entry.most.textContent = values.length
+        ? words(values.reduce((most, value) => Math.max(most, value), 0)) : "covered";
     }
     later();
   };
@@ -111,7 +120,8 @@
       if (!shown[index]) return;
       const points = bodies[part.body].points, shape = mode && mode.body === part.body ? mode.shape : null;
       const seen = (point) => {
-        const own = [0, 1, 2].map((axis) => points[3 * point + axis] + (shape ? swing * shape[3 * point + axis] / 127 : 0) - camera.target[axis]);
+        const own = [0, 1, 2].map((axis) => points[3 * point + axis] +
+          (shape ? swing * shape[3 * point + axis] / 127 : 0) - camera.target[axis]);
         own[2] += raised[index];
         return rows.map((row) => geometry.dot(row, own));
       };
@@ -136,7 +146,10 @@
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-roledescription", "3D view");
-  canvas.setAttribute("aria-label", `${image.alt}. Arrow keys turn it, with Shift move it, plus and minus change its size, Enter reads the face in the middle, Escape returns to the first view`);
+  canvas.setAttribute("aria-label", [
+    `${image.alt}. Arrow keys turn it, with Shift move it, plus and minus change its size,`,
+    "Enter reads the face in the middle, Escape returns to the first view",
+  ].join(" "));
   const size = () => [canvas.clientWidth, canvas.clientHeight];
   const reset = () => { camera.look("first"); direction.value = "first"; fit(); later(); };
   const act = {
@@ -145,7 +158,8 @@
     closer(factor, x, y) { camera.closer(factor, x, y, ...size()); later(); },
     read(x, y) { output.textContent = read(x, y) || "no face here"; },
     hover(x, y) { output.textContent = read(x, y); },
-    only(x, y) { const found = at(x, y); found && shown.some((own, index) => own && index !== found[0]) ? only([found[0]]) : all(); },
+    only(x, y) { const found = at(x, y);
+      found && shown.some((own, index) => own && index !== found[0]) ? only([found[0]]) : all(); },
     reset,
   };
   const dragging = one(".dragging");
@@ -156,14 +170,16 @@
     closer: () => act.closer(1.25, 0, 0), farther: () => act.closer(0.8, 0, 0), fit: () => { fit(); later(); },
     reset: () => { apart.value = 0; bound(); all(); reset(); },
   };
-  figure.querySelectorAll("[data-tool]").forEach((button) => button.addEventListener("click", tools[button.dataset.tool]));
+  figure.querySelectorAll("[data-tool]").forEach((button) =>
+    button.addEventListener("click", tools[button.dataset.tool]));
   one(".edges").addEventListener("change", later);
   apart.addEventListener("input", () => { bound(); if (camera.fitted) fit(); later(); });
   if (new Set(parts.map((part) => part.stack)).size < 2) one(".apart").remove();
 
   // Parts that are hidden, and one that is shown alone.
   const entries = [...figure.querySelectorAll("[data-parts]")].map((entry) => ({
-    parts: entry.dataset.parts.split(" ").map(Number), box: entry.querySelector("input"), only: entry.querySelector("button"), most: entry.querySelector(".most"),
+    parts: entry.dataset.parts.split(" ").map(Number), box: entry.querySelector("input"),
+      only: entry.querySelector("button"), most: entry.querySelector(".most"),
   }));
   const renew = () => {
     const count = shown.filter(Boolean).length;
@@ -171,7 +187,8 @@
       const own = entry.parts.filter((index) => shown[index]).length;
       entry.box.checked = own > 0;
       entry.box.indeterminate = own > 0 && own < entry.parts.length;
-      entry.only.setAttribute("aria-pressed", String(own === entry.parts.length && own === count && count < parts.length));
+      entry.only.setAttribute("aria-pressed", String(
+        own === entry.parts.length && own === count && count < parts.length));
     }
     if (camera.fitted) fit();
     later();
@@ -179,8 +196,10 @@
   const only = (own) => { parts.forEach((_, index) => { shown[index] = own.includes(index); }); fit(); renew(); };
   const all = () => only(parts.map((_, index) => index));
   for (const entry of entries) {
-    entry.box.addEventListener("change", () => { entry.parts.forEach((index) => { shown[index] = entry.box.checked; }); renew(); });
-    entry.only.addEventListener("click", () => (entry.only.getAttribute("aria-pressed") === "true" ? all() : only(entry.parts)));
+    entry.box.addEventListener("change", () => { entry.parts.forEach((index) => { shown[index] = entry.box.checked; });
+      renew(); });
+    entry.only.addEventListener("click", () =>
+      (entry.only.getAttribute("aria-pressed") === "true" ? all() : only(entry.parts)));
   }
 
   const choice = one(".view");
