@@ -1,8 +1,8 @@
 //! Simulation-based calibration: a check of posteriors whose truth is known (Talts, Betancourt, Simpson, Vehtari and
 //! Gelman, "Validating Bayesian inference algorithms with simulation-based calibration", arXiv:1804.06788 (2018)).
 //!
-//! A truth is drawn from the prior, measured with the errors of the likelihood, and calibrated. If prior, likelihood and
-//! sampler agree, the place of the truth among the draws of its posterior is uniform between 0 and 1. Too narrow
+//! A truth is drawn from the prior, measured with the errors of the likelihood, and calibrated. If prior, likelihood
+//! and sampler agree, the place of the truth among the draws of its posterior is uniform between 0 and 1. Too narrow
 //! posteriors push the places to both ends, too wide ones to the middle.
 //!
 //! The test is that of Anderson and Darling, which weights the ends:

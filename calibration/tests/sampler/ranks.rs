@@ -1,4 +1,5 @@
-//! Simulation-based calibration of the sampler: truths of the prior are measured, calibrated and placed among the draws.
+//! Simulation-based calibration of the sampler: truths of the prior are measured, calibrated and placed among the
+//! draws.
 
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::{ErrorLaw, Likelihood, Prediction};
