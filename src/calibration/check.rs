@@ -15,6 +15,7 @@ use nailnoise_calibration::ranks::{place, uniformity};
 use serde::{Deserialize, Serialize};
 
 use super::error::CalibrationError;
+use super::key::key;
 use super::measurements::Measurements;
 use super::posterior::{Calibration, Request, Treatment, Work};
 use super::random::standard_normal;
@@ -287,7 +288,7 @@ impl Check<'_> {
             ..self.request.clone()
         };
         let own = Tool::new(self.design, &measured, request.seed)?;
-        let key = super::key(self.design, &own, &measured, &request);
+        let key = key(self.design, &own, &measured, &request);
         let digest = Key::clone(&key)
             .with(&code![calibration, dynamics])
             .with(&self.held_out)

@@ -8,6 +8,7 @@ mod error;
 mod fields;
 mod files;
 mod joint;
+mod key;
 mod level_bands;
 mod level_draws;
 mod level_file;
@@ -47,8 +48,8 @@ pub use structures::{
 use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::{Progress, code};
-use crate::store::{Key, Store};
+use crate::stages::Progress;
+use crate::store::Store;
 
 /// Name of the measurements where there are none.
 const NO_MEASUREMENTS: &str = "no measurements";
@@ -76,7 +77,7 @@ pub fn calibrate(
         held_levels,
     } = Read::of(design, assignments, measured, request)?;
     let tool = tool::Tool::new(design, &measured, request.seed)?;
-    let key = key(design, &tool, &measured, request);
+    let key = key::key(design, &tool, &measured, request);
     let calibration = posterior::Calibration {
         tool,
         measured: &measured,
@@ -211,27 +212,4 @@ impl Read {
             held_levels,
         })
     }
-}
-
-/// Key of candidates and draws: everything except which readings are used.
-fn key(design: &Design, tool: &tool::Tool, measured: &measurements::Measurements, request: &Request) -> Key {
-    let variables: Vec<String> = tool.sampler.variables().iter().map(|own| format!("{own:?}")).collect();
-    let conditions: Vec<String> = measured.conditions.iter().map(|own| own.design.digest()).collect();
-    let data = format!("{:?} {:?} {:?}", measured.data, measured.correlations, measured.direct);
-    let shown: Vec<String> = measured
-        .conditions
-        .iter()
-        .map(|own| format!("{:?} {:?}", own.shown, own.outcomes))
-        .collect();
-    Key::empty()
-        .with(&code![calibration, dynamics])
-        .with(&design.digest())
-        .with(&variables)
-        .with(&tool.shared)
-        .with(&conditions)
-        .with(&shown)
-        .with(&data)
-        .with(&design.study().require)
-        .with(&request.draws)
-        .with(&request.seed)
 }

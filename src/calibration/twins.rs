@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use nailnoise_documents::Document;
 
 use super::check::Truth;
+use super::key::key;
 use super::measurements::Measurements;
 use super::posterior::{Calibration, Request, Treatment};
 use super::quantities::Quantity;
@@ -161,7 +162,7 @@ fn calibrated(design: &Design, text: &str, store: &Store, seed: u64) -> Calibrat
     };
     let tool = Tool::new(design, &measured, seed).unwrap();
     let calibration = Calibration {
-        key: super::key(design, &tool, &measured, &request),
+        key: key(design, &tool, &measured, &request),
         tool,
         measured: &measured,
         request: &request,

@@ -19,8 +19,8 @@ pub(super) fn ahead(asked: &CheckRequest<'_>, cost: CheckCost) -> String {
         _ => format!("{:.1} h", cost.seconds / HOUR),
     };
     format!(
-        "{} calibrations of {} draws need about {:.1} million nailing cycles, {time} on this machine; finished runs are \
-         kept in {}",
+        "{} calibrations of {} draws need about {:.1} million nailing cycles, {time} on this machine; finished runs \
+         are kept in {}",
         asked.runs,
         asked.request.draws,
         1e-6 * cost.cycles,
@@ -72,7 +72,8 @@ pub(super) fn text(result: &CheckResult) -> String {
             format!("  the truths lie in their posteriors as chance has it (p {least:.2} for all together)\n")
         }
         (Some(false), Some(least)) => format!(
-            "  NOT UNIFORM: the truths do not lie in their posteriors as chance has it (p {least:.1e} for all together)\n"
+            "  NOT UNIFORM: the truths do not lie in their posteriors as chance has it (p {least:.1e} for all \
+             together)\n"
         ),
         _ => "  fewer than 8 runs count, too few for a test\n".to_owned(),
     });

@@ -376,8 +376,8 @@ fn faults_outside_the_measurements_are_named_too() {
 }
 #[test]
 fn third_octaves_have_twice_the_error_of_a_level() {
-    let measured = "m = { condition = \"a\", quantity = \"level\", source = \"exhaust\", of = \"ear\", band = \"1 kHz\", \
-        value = \"92 dB\", error = \"0.7 dB\", scatter = \"0 dB\" }";
+    let measured = "m = { condition = \"a\", quantity = \"level\", source = \"exhaust\", of = \"ear\", \
+        band = \"1 kHz\", value = \"92 dB\", error = \"0.7 dB\", scatter = \"0 dB\" }";
     let own = read(&file(measured)).unwrap().levels.remove(0);
     assert!(matches!(own.quantity, LevelQuantity::Sound { band: Some(hz), .. } if hz == 1000.0));
     assert_eq!(
@@ -388,7 +388,11 @@ fn third_octaves_have_twice_the_error_of_a_level() {
 
 /// A wrapping test on the worktable as `nailnoise measure` writes it.
 fn test_result(range_high: f64) -> serde_json::Value {
-    let level = |db: f64| serde_json::json!({"db": db, "repeats": 5, "standard_db": 0.2, "half_width_db": 0.5, "expanded_db": 3.03});
+    let level = |db: f64| {
+        let mut own = serde_json::json!({"db": db, "repeats": 5, "standard_db": 0.2, "half_width_db": 0.5});
+        own["expanded_db"] = 3.03.into();
+        own
+    };
     let bands = |db: f64| serde_json::json!([{"hz": 500.0, "lwa_db": db - 3.0}, {"hz": 1000.0, "lwa_db": db - 6.0}]);
     let source = |name: &str, db: f64, floor: f64| {
         serde_json::json!({"source": name, "configuration": "W", "level": level(db), "by_energy_db": db,
