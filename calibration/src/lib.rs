@@ -5,6 +5,7 @@ pub mod likelihood;
 pub mod next;
 pub mod normal;
 mod random;
+pub mod ranks;
 pub mod sampler;
 pub mod statistics;
 mod subspace;

@@ -95,6 +95,22 @@ impl Reading {
     }
 }
 
+impl Reading {
+    /// What an observer who stated this reading states for another value: a value, or the side of the bounds.
+    fn of_value(self, value: f64) -> Self {
+        match self {
+            Self::Value(_) => Self::Value(value),
+            Self::AtMost(bound) | Self::AtLeast(bound) => match value <= bound {
+                true => Self::AtMost(bound),
+                false => Self::AtLeast(bound),
+            },
+            Self::Within([low, _]) if value < low => Self::AtMost(low),
+            Self::Within([_, high]) if value > high => Self::AtLeast(high),
+            Self::Within(ends) => Self::Within(ends),
+        }
+    }
+}
+
 /// An error shared by several readings: a standard normal variable of the sampler times a coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SharedError {
@@ -311,6 +327,38 @@ impl Likelihood {
             .sum()
     }
 
+    /// Readings of a point, each with an error of its law at one of the `shares` in (0, 1). Errors of the readings that
+    /// count are correlated as stated. A bound is what an observer of the value states: the side on which it lies. The
+    /// reading of a prediction that is no value stays as it is.
+    pub fn measured(&self, z: &[f64], predictions: &[Prediction], shares: &[f64]) -> Vec<Reading> {
+        let mut errors: Vec<f64> = self
+            .data
+            .iter()
+            .zip(shares)
+            .map(|(own, share)| own.scale * self.law.quantile(*share))
+            .collect();
+        for block in self.blocks.iter().filter(|own| own.members.len() > 1) {
+            let independent = block.members.iter().map(|&k| self.law.quantile(shares[k]));
+            let independent = DVector::from_iterator(block.members.len(), independent);
+            // The inverse of a Cholesky factor has a positive diagonal.
+            if let Some(correlated) = block.whitening.solve_lower_triangular(&independent) {
+                block
+                    .members
+                    .iter()
+                    .zip(correlated.iter())
+                    .for_each(|(&k, own)| errors[k] = *own);
+            }
+        }
+        let observed = |(k, error): (usize, f64)| {
+            let reading = self.data[k].reading;
+            match predictions[k] {
+                Prediction::Value(f) => reading.of_value(f + self.shared(k, z) + error),
+                _ => reading,
+            }
+        };
+        errors.into_iter().enumerate().map(observed).collect()
+    }
+
     /// Logarithm of the constant omitted by [`total`](Self::total), for readings that are values.
     pub fn constant(&self) -> f64 {
         let at_zero = match self.law {
@@ -479,6 +527,52 @@ mod tests {
         let exponent = -(x * x - 2.0 * r * x * y + y * y) / (2.0 * (1.0 - r * r));
         let expected = exponent - (2.0 * std::f64::consts::PI * 2.0 * 0.5 * (1.0 - r * r).sqrt()).ln();
         assert!((got - expected).abs() < 1e-12, "{got} {expected}");
+    }
+
+    #[test]
+    fn measured_values_have_the_stated_errors_and_correlations() {
+        let data = vec![datum(Reading::Value(0.0), 2.0), datum(Reading::Value(0.0), 0.5)];
+        let correlation = ErrorCorrelation {
+            data: vec![0, 1],
+            r: 0.6,
+            parts: vec![2.0, 0.5],
+        };
+        let own = Likelihood::new(data, 1, &[correlation], ErrorLaw::Gaussian).unwrap();
+        let stream = crate::random::Stream::new(3, &[]);
+        let measured = |k: u64| {
+            let shares = [stream.uniform(2 * k), stream.uniform(2 * k + 1)];
+            let readings = own.measured(&[], &[Prediction::Value(1.0), Prediction::Value(-3.0)], &shares);
+            let errors: Vec<f64> = readings
+                .iter()
+                .zip([1.0, -3.0])
+                .map(|(own, f)| own.nearest(0.0) - f)
+                .collect();
+            [errors[0] / 2.0, errors[1] / 0.5]
+        };
+        let all: Vec<[f64; 2]> = (0..20_000).map(measured).collect();
+        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| all.iter().map(of).sum::<f64>() / 20_000.0;
+        for (found, expected) in [
+            (mean(&|e| e[0]), 0.0),
+            (mean(&|e| e[0] * e[0]), 1.0),
+            (mean(&|e| e[1] * e[1]), 1.0),
+            (mean(&|e| e[0] * e[1]), 0.6),
+        ] {
+            assert!((found - expected).abs() < 0.03, "{found}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn a_bound_is_measured_as_the_side_of_the_value() {
+        let of = |reading: Reading, value: f64| {
+            let own = likelihood(vec![datum(reading, 1e-9)], ErrorLaw::Student);
+            own.measured(&[], &[Prediction::Value(value)], &[0.4])[0]
+        };
+        assert_eq!(of(Reading::AtMost(3.0), 2.0), Reading::AtMost(3.0));
+        assert_eq!(of(Reading::AtMost(3.0), 4.0), Reading::AtLeast(3.0));
+        assert_eq!(of(Reading::AtLeast(3.0), 2.0), Reading::AtMost(3.0));
+        assert_eq!(of(Reading::Within([1.0, 3.0]), 2.0), Reading::Within([1.0, 3.0]));
+        assert_eq!(of(Reading::Within([1.0, 3.0]), 0.0), Reading::AtMost(1.0));
+        assert_eq!(of(Reading::Within([1.0, 3.0]), 9.0), Reading::AtLeast(3.0));
     }
 
     #[test]

@@ -19,6 +19,7 @@ from ._blocks import (
     radiated_power,
     signal_levels,
 )
+from ._calibrate import Calibration, calibrate
 from ._design import Design, load
 from ._draws import shots, study, study_task, sweep
 from ._measure import Measurement, WrappingTest, measure, test_energies
@@ -30,6 +31,7 @@ from ._trial import Proposal
 from ._work import compare, cycle, modes, run
 
 __all__ = [
+    "Calibration",
     "Comparison",
     "Cycle",
     "Design",
@@ -50,6 +52,7 @@ __all__ = [
     "Sweep",
     "WrappingTest",
     "__version__",
+    "calibrate",
     "compare",
     "cycle",
     "exhaust_levels",

@@ -107,6 +107,22 @@ def study_task(
 ) -> tuple[int, list[str]]: ...
 def levels_task(design: Design, folder: str) -> list[str]: ...
 def structures(design: Design) -> str: ...
+def calibrate(
+    design: Design,
+    measured: str | None,
+    draws: int,
+    moves: int,
+    seed: int,
+    hold_out: list[str],
+    conflict: str,
+    next: bool,
+    levels: int,
+    folder: str,
+    cache: str | None,
+    keep: bool,
+    shared: str | None,
+    report: Report | None,
+) -> tuple[str, str, str, str, Charts]: ...
 def measure(
     manifest: str, reading: str, paired: bool, total_less_residual: bool, report: Report | None
 ) -> tuple[str, Charts]: ...

@@ -5,6 +5,7 @@
 //! interpreter's lock.
 
 mod blocks;
+mod calibrate;
 mod command;
 mod design;
 mod error;
@@ -52,6 +53,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tasks::study_task, module)?)?;
     module.add_function(wrap_pyfunction!(tasks::levels_task, module)?)?;
     module.add_function(wrap_pyfunction!(tasks::structures, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(measure::measure, module)?)?;
     module.add_function(wrap_pyfunction!(measure::test_energies, module)?)?;
     module.add_function(wrap_pyfunction!(penetration::penetration_names, module)?)?;

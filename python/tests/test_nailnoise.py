@@ -314,3 +314,54 @@ def test_an_optimisation_that_cannot_be_is_refused(small: nn.Design, cache: Path
     ):
         with pytest.raises(ValueError):
             nn.optimise(small, vary, trials=2, cache=cache, **more)
+
+
+SHOTS = """schema = "nailnoise-calibration/1"
+[condition]
+own = { set = { "supply.pressure" = "100 psig" } }
+[measured]
+depth = { condition = "own", quantity = "head_depth", value = "-8 mm", shots = 5, scatter = "1 mm", error = "0.5 mm" }
+air = { condition = "own", quantity = "air_per_shot", value = "1.4 l", error = "4 %" }
+"""
+
+
+def test_a_calibration_is_that_of_the_command(cache: Path, tmp_path: Path) -> None:
+    (tmp_path / "shots.toml").write_text(SHOTS)
+    any_end = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    (tmp_path / "tool.toml").write_text(f"base = {json.dumps(str(SMALL))}\n[study]\nrequire = {any_end}\n")
+    design = nn.load(tmp_path / "tool.toml")
+    known = nn.calibrate(design, tmp_path / "shots.toml", draws=64, moves=3, hold_out=["air"], cache=cache)
+    environment = dict(os.environ, NAILNOISE_CACHE=str(cache))
+    arguments = ["calibrate", "tool.toml", "--measured", tmp_path / "shots.toml", "--draws", "64", "--moves", "3", "--hold-out", "air"]
+    done = subprocess.run([COMMAND, *arguments, "--out", "out", "--json"], cwd=tmp_path, env=environment, capture_output=True)
+    assert done.returncode in (0, 1, 3), done.stderr.decode()
+    assert known.data == json.loads(done.stdout)
+    out = tmp_path / "out" / "calibration"
+    assert known.csv == (out / "posterior.csv").read_text()
+    assert Path(known.design.path).with_name("calibrated.draws").read_text() == (out / "calibrated.draws").read_text()
+
+    assert known.converged == (known.faults == [])
+    assert list(known.measured.index) == ["depth", "air"]
+    depth = known.measured.loc["depth"]
+    assert depth["reading_low"] == depth["reading_high"] == -8e-3 and depth["now_low"] < depth["now_high"]
+    assert not known.measured.loc["air", "counts"]
+    assert len(known.draws) == 64 and "piston.mass" in known.draws.columns
+    assert set(known.moved) <= set(known.inputs.index)
+    ends = known.draws["piston.mass"].quantile([0.05, 0.95]).to_numpy()
+    row = known.inputs.loc["piston.mass"]
+    assert row["now_low"] - 1e-3 < ends[0] < ends[1] < row["now_high"] + 1e-3
+    assert len(known.next) == 0
+    assert "head_depth" not in repr(known) and "depth" in repr(known) and "image/svg+xml" in known._repr_html_()
+    drawn = nn.study(known.design, 2, cache=cache).draws["piston.mass [kg]"]
+    assert all(np.isclose(known.draws["piston.mass"], value).any() for value in drawn)
+
+
+def test_a_calibration_that_cannot_be_is_refused(small: nn.Design, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="64 draws"):
+        nn.calibrate(small, tmp_path / "shots.toml", draws=10)
+    with pytest.raises(ValueError, match="next=True"):
+        nn.calibrate(small)
+    (tmp_path / "shots.toml").write_text(SHOTS.replace("head_depth", "head_dept"))
+    with pytest.raises(nn.NailnoiseError) as raised:
+        nn.calibrate(small, tmp_path / "shots.toml")
+    assert raised.value.line == 5 and "head_depth" in (raised.value.help or "") and raised.value.status == 2

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use nailnoise_acoustics::signals::bands_of;
 use serde::{Deserialize, Serialize};
 
-use super::level_quantities::{STANDARD_GRAVITY, ShotSound};
+use super::level_quantities::{STANDARD_GRAVITY, ShotSound, Spectrum};
 use super::measurements::Measurements;
 use crate::chain::Chain;
 use crate::design::{Design, JointDraws, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::stages::levels::SourceLevels;
 use crate::stages::microphones::AtMicrophones;
 use crate::stages::{Digest, Postcard, Progress};
 use crate::store::Key;
@@ -18,7 +20,7 @@ use crate::study::{
 };
 
 /// Name of its store entries.
-const SOUND: &str = "sound of a draw at microphones";
+const SOUND: &str = "bands of a draw at microphones";
 
 /// (20 uPa)2 s \[Pa2 s\].
 const REFERENCE: f64 = 4e-10;
@@ -41,7 +43,8 @@ pub(super) struct LevelDraws {
 /// Sound that is stored for a draw.
 #[derive(Serialize, Deserialize)]
 struct Observed {
-    received: Vec<Vec<f64>>,
+    /// A-weighted exposure of each source at each receiver in each one-third octave \[Pa2 s\].
+    received: Vec<Vec<Vec<f64>>>,
     sensors: Vec<(String, [f64; 2])>,
 }
 
@@ -99,17 +102,21 @@ pub(super) fn level_draws(
     let mut sounds = Vec::new();
     for (place, own) in observed.into_iter().enumerate() {
         let area_db = 10.0 * inputs::microphones::area(&designs[place]).log10();
+        let analysis = &designs[place].analysis;
+        let bands: Vec<f64> = bands_of([analysis.range_low, analysis.range_high])
+            .iter()
+            .map(|own| own.nominal_hz())
+            .collect();
         let mut own: Vec<Option<Observed>> = own.into_iter().map(Result::ok).collect();
         let shot = |(draw, &place_of_draw): (usize, &usize)| {
             let found = own[place_of_draw].take();
             let (received, sensors) = found.map_or_else(Default::default, |own| (own.received, own.sensors));
             let levels = &made[place].draws[draw].levels;
-            let power = levels.sources.iter();
+            let power = levels.sources.iter().map(|own| (own.source.clone(), power_of(own)));
+            let at_receivers = |own: &Vec<Vec<f64>>| own.iter().map(|own| spectrum_of(own, &bands)).collect();
             ShotSound {
-                power: power
-                    .map(|own| (own.source.clone(), own.lwa_db.unwrap_or(f64::NEG_INFINITY)))
-                    .collect(),
-                received,
+                power: power.collect(),
+                received: received.iter().map(at_receivers).collect(),
                 area_db,
                 sensors,
             }
@@ -167,7 +174,7 @@ fn observed(
         let mut own = nothing();
         if microphones {
             let received = chain.received(design)?;
-            own.received = received.iter().map(levels_of).collect();
+            own.received = received.iter().map(weighted).collect();
         }
         if sensors {
             let level = |g: f64| 20.0 * (g * STANDARD_GRAVITY).log10();
@@ -189,13 +196,32 @@ fn observed(
         .collect()
 }
 
-/// A-weighted levels of a source at each receiver \[dB re (20 uPa)2 s\]. Parts of a source may take energy from a band.
-fn levels_of(source: &AtMicrophones) -> Vec<f64> {
-    let level = |bands: &Vec<[f64; 2]>| {
-        let exposure: f64 = bands.iter().map(|[a, _]| a).sum();
-        10.0 * (exposure.max(0.0) / REFERENCE).log10()
-    };
-    source.exposures.iter().map(level).collect()
+/// A-weighted exposures of a source at each receiver in each one-third octave \[Pa2 s\].
+fn weighted(source: &AtMicrophones) -> Vec<Vec<f64>> {
+    let exposures = source.exposures.iter();
+    exposures.map(|bands| bands.iter().map(|[a, _]| *a).collect()).collect()
+}
+
+/// Levels of exposures in one-third octaves \[dB re (20 uPa)2 s\]. Parts of a source may take energy from a band.
+fn spectrum_of(exposures: &[f64], bands: &[f64]) -> Spectrum {
+    let level = |exposure: f64| 10.0 * (exposure.max(0.0) / REFERENCE).log10();
+    Spectrum {
+        level: level(exposures.iter().sum()),
+        bands: bands
+            .iter()
+            .copied()
+            .zip(exposures.iter().map(|own| level(*own)))
+            .collect(),
+    }
+}
+
+/// Sound power levels of a source \[dB re 1 pW s\].
+fn power_of(source: &SourceLevels) -> Spectrum {
+    let level = |own: Option<f64>| own.unwrap_or(f64::NEG_INFINITY);
+    Spectrum {
+        level: level(source.lwa_db),
+        bands: source.bands.iter().map(|(hz, own)| (*hz, level(*own))).collect(),
+    }
 }
 
 impl LevelDraws {
@@ -248,7 +274,7 @@ impl LevelDraws {
     pub(super) fn of_design(&self, shot: usize, shares: &[f64]) -> Vec<f64> {
         let errors = self.errors_in(0, shot, shares);
         let power = self.sounds[0][shot].power.iter().zip(errors);
-        power.map(|((_, level), error)| level + error).collect()
+        power.map(|((_, own), error)| own.level + error).collect()
     }
 
     /// Names of inputs that are not in the joint draws, and of the methods' errors.

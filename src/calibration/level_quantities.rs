@@ -39,18 +39,40 @@ pub(super) enum LevelQuantity {
         /// The source; all sources without one.
         source: Option<String>,
         position: Position,
+        /// Nominal mid-band frequency of a one-third octave \[Hz\]; the whole range without one.
+        band: Option<f64>,
     },
     /// Acceleration of a sensor of the design: RMS over 1 s, or the peak.
     Acceleration { sensor: String, is_peak: bool },
 }
 
+/// A-weighted level over the range and in its one-third octaves \[dB\]; minus infinity for silence.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Spectrum {
+    /// Level over the range \[dB\].
+    pub(super) level: f64,
+    /// Nominal mid-band frequency \[Hz\] and level of each one-third octave \[dB\].
+    pub(super) bands: Vec<(f64, f64)>,
+}
+
+impl Spectrum {
+    /// The level in a band, or over the range; NaN if there is no such band \[dB\].
+    fn at(&self, band: Option<f64>) -> f64 {
+        let Some(hz) = band else {
+            return self.level;
+        };
+        let found = self.bands.iter().find(|(own, _)| *own == hz);
+        found.map_or(f64::NAN, |(_, level)| *level)
+    }
+}
+
 /// Levels of a shot without errors of methods.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ShotSound {
-    /// Name and sound power level of each source \[dB re 1 pW s\]; minus infinity for silence.
-    pub(super) power: Vec<(String, f64)>,
+    /// Name and sound power level of each source \[dB re 1 pW s\].
+    pub(super) power: Vec<(String, Spectrum)>,
     /// Level of each source at each microphone and, last, at the ear \[dB re (20 uPa)2 s\]; empty if none is needed.
-    pub(super) received: Vec<Vec<f64>>,
+    pub(super) received: Vec<Vec<Spectrum>>,
     /// 10 lg of the area of the measurement surface over 1 m2 \[dB\].
     pub(super) area_db: f64,
     /// Name, RMS over 1 s and peak of each sensor \[dB re 1 m/s2\]; empty if none is needed.
@@ -63,7 +85,8 @@ impl LevelQuantity {
     /// sensors that are not published.
     pub(super) fn discrepancy(&self) -> f64 {
         match self {
-            Self::Sound { .. } => 1.0,
+            Self::Sound { band: None, .. } => 1.0,
+            Self::Sound { band: Some(_), .. } => 2.0,
             Self::Acceleration { is_peak: false, .. } => 2.0,
             Self::Acceleration { is_peak: true, .. } => 4.0,
         }
@@ -110,18 +133,20 @@ impl LevelQuantity {
                 let own = shot.sensors.iter().find(|(name, _)| name == sensor);
                 own.map_or(f64::NAN, |(_, levels)| levels[usize::from(*is_peak)])
             }
-            Self::Sound { source, position } => {
+            Self::Sound { source, position, band } => {
                 let counts = |name: &String| source.as_ref().is_none_or(|own| own == name);
                 let sources = (0..shot.power.len()).filter(|&k| counts(&shot.power[k].0));
                 let at = |k: usize| -> f64 {
                     let received = || shot.received.get(k).map_or(&[][..], Vec::as_slice);
+                    let level = |own: Option<&Spectrum>| own.map_or(f64::NAN, |own| own.at(*band));
                     match position {
-                        Position::Power => shot.power[k].1,
-                        Position::Microphone(number) => received().get(*number).copied().unwrap_or(f64::NAN),
-                        Position::Ear => received().last().copied().unwrap_or(f64::NAN),
+                        Position::Power => shot.power[k].1.at(*band),
+                        Position::Microphone(number) => level(received().get(*number)),
+                        Position::Ear => level(received().last()),
                         Position::Array => match received().split_last() {
                             Some((_, own)) => {
-                                energy_sum(own.iter().copied()) - 10.0 * (own.len() as f64).log10() + shot.area_db
+                                let sum = energy_sum(own.iter().map(|own| own.at(*band)));
+                                sum - 10.0 * (own.len() as f64).log10() + shot.area_db
                             }
                             None => f64::NAN,
                         },
@@ -137,19 +162,54 @@ impl LevelQuantity {
 mod tests {
     use super::*;
 
+    /// Two bands, of which the lower has a quarter of the energy.
+    fn spectrum(level: f64) -> Spectrum {
+        let of = |share: f64| level + 10.0 * share.log10();
+        Spectrum {
+            level,
+            bands: vec![(500.0, of(0.25)), (1000.0, of(0.75))],
+        }
+    }
+
     fn shot() -> ShotSound {
         ShotSound {
-            power: vec![("workpiece".to_owned(), 100.0), ("exhaust".to_owned(), 97.0)],
-            received: vec![vec![90.0, 84.0, 95.0], vec![80.0, 86.0, 94.0]],
+            power: vec![
+                ("workpiece".to_owned(), spectrum(100.0)),
+                ("exhaust".to_owned(), spectrum(97.0)),
+            ],
+            received: [[90.0, 84.0, 95.0], [80.0, 86.0, 94.0]]
+                .map(|own| own.map(spectrum).to_vec())
+                .to_vec(),
             area_db: 12.0,
             sensors: vec![("top".to_owned(), [40.0, 60.0])],
         }
     }
 
     fn sound(source: Option<&str>, position: Position) -> LevelQuantity {
+        band(source, position, None)
+    }
+
+    fn band(source: Option<&str>, position: Position, band: Option<f64>) -> LevelQuantity {
         LevelQuantity::Sound {
             source: source.map(str::to_owned),
             position,
+            band,
+        }
+    }
+
+    #[test]
+    fn bands_sum_to_the_level_at_every_position() {
+        let positions = [Position::Power, Position::Array, Position::Ear, Position::Microphone(1)];
+        for (source, position) in [None, Some("exhaust")]
+            .into_iter()
+            .flat_map(|own| positions.map(|at| (own, at)))
+        {
+            let of = |hz| band(source, position, hz).predict(&shot(), &[1.0, -2.0]);
+            let [low, high] = [500.0, 1000.0].map(|hz| of(Some(hz)));
+            let is_near = |found: f64, level: f64| assert!((found - level).abs() < 1e-9, "{found} instead of {level}");
+            is_near(energy_sum([low, high]), of(None));
+            is_near(high - low, 10.0 * 3f64.log10());
+            assert!(of(Some(630.0)).is_nan());
         }
     }
 

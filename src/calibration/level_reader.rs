@@ -8,6 +8,7 @@ use nailnoise_quantities::measure;
 use super::fields::{
     MOST_SHOTS, Repeats, error_by, mean_and_scatter, named, of_given, place, reading, repeated, spread_by,
 };
+use super::level_bands::band;
 use super::level_quantities::{LevelQuantity, NAMES, Position, STANDARD_GRAVITY};
 use super::measurements::{Condition, InstrumentError, MeasuredLevel};
 use super::quantities::Spread;
@@ -93,6 +94,18 @@ impl Given {
     }
 }
 
+/// A standard deviation of a level \[dB\].
+///
+/// # Errors
+/// If it is not a number, or a percentage.
+pub(super) fn decibels(table: &Keys<'_, '_>, key: &str) -> Result<f64, KeyError> {
+    let own = spread_by(table, key, &|text| Given::Decibels.parse(text))?;
+    match own.share > 0.0 {
+        true => Err(table.error(key, "is a percentage of a level", "give it in dB")),
+        false => Ok(own.amount),
+    }
+}
+
 impl OfLevel<'_, '_, '_> {
     /// Whether a table is a measurement of sound or vibration.
     pub(super) fn is_level(table: &Keys<'_, '_>) -> bool {
@@ -107,25 +120,17 @@ impl OfLevel<'_, '_, '_> {
     pub(super) fn measured(&self, name: &str, notes: &mut Vec<String>) -> Result<MeasuredLevel, KeyError> {
         let table = self.table;
         table.only(&MEASURED)?;
-        if table.get("band").is_some() {
-            let help = "give the A-weighted level of the whole range";
-            return Err(table.error(
-                "band",
-                "is a third octave, with which this version cannot calibrate",
-                help,
-            ));
-        }
         table.required("condition", "\"96 psig\"")?;
         let condition = table.text("condition", "\"96 psig\"")?.unwrap_or_default();
         let known = self.conditions.iter().map(|own| own.name.as_str());
         let condition = place(table, "condition", condition, known, "condition")?;
         let (quantity, given) = self.quantity(&self.conditions[condition])?;
         let repeats = self.repeats(&quantity, given)?;
-        let spread = |table: &Keys<'_, '_>, key: &str| {
-            let own = spread_by(table, key, &|text| given.parse(text))?;
-            match (given, own.share > 0.0) {
-                (Given::Decibels, true) => Err(table.error(key, "is a percentage of a level", "give it in dB")),
-                _ => Ok(given.deviation(own, repeats.typical)),
+        let spread = |table: &Keys<'_, '_>, key: &str| match given {
+            Given::Decibels => decibels(table, key),
+            Given::Acceleration => {
+                let own = spread_by(table, key, &|text| given.parse(text))?;
+                Ok(given.deviation(own, repeats.typical))
             }
         };
         let own = error_by(table, &|text| given.parse(text))?;
@@ -175,7 +180,7 @@ impl OfLevel<'_, '_, '_> {
         let foreign: &[&str] = if name == "level" {
             &["sensor"]
         } else {
-            &["source", "of"]
+            &["source", "of", "band"]
         };
         if let Some(other) = foreign.iter().find(|key| table.get(key).is_some()) {
             return Err(table.error(other, format!("does not belong to `{name}`"), "remove it"));
@@ -215,7 +220,12 @@ impl OfLevel<'_, '_, '_> {
                 known[place(table, "of", name, names, "position of a level")?].1
             }
         };
-        Ok((LevelQuantity::Sound { source, position }, Given::Decibels))
+        let band = match table.get("band") {
+            Some(value) => Some(band(table, value, &condition.design)?),
+            None => None,
+        };
+        let quantity = LevelQuantity::Sound { source, position, band };
+        Ok((quantity, Given::Decibels))
     }
 
     fn repeats(&self, quantity: &LevelQuantity, given: Given) -> Result<Repeats, KeyError> {

@@ -1,5 +1,7 @@
 //! Measurements of a tool: conditions, instruments and readings in SI units, independent of their file.
 
+use std::collections::BTreeMap;
+
 use nailnoise_calibration::likelihood::Reading;
 
 use super::level_quantities::LevelQuantity;
@@ -21,6 +23,8 @@ pub(super) struct Measurements {
     pub(super) levels: Vec<MeasuredLevel>,
     /// Correlations of their errors.
     pub(super) correlations: Vec<Correlation>,
+    /// Minutes that a further measurement takes, by the name of its quantity, in place of the usual ones.
+    pub(super) effort: BTreeMap<String, f64>,
     /// Assumptions about readings that the user should know.
     pub(super) notes: Vec<String>,
 }

@@ -3,11 +3,15 @@
 //! The crate `nailnoise-calibration` does the sampling; this module contains the measurement file, the quantities of
 //! the cycle, the tool as a simulator, the levels that weight its draws, and the result with its files.
 
+mod check;
 mod error;
 mod fields;
 mod files;
 mod joint;
+mod key;
+mod level_bands;
 mod level_draws;
+mod level_file;
 mod level_quantities;
 mod level_reader;
 mod level_rows;
@@ -28,6 +32,7 @@ mod twins;
 
 use std::path::Path;
 
+pub use check::{CheckCost, CheckResult, CheckRow, CheckedKind};
 pub use error::CalibrationError;
 pub use files::{Files, JOINT};
 pub use levels::{LevelRow, LevelWork};
@@ -43,8 +48,8 @@ pub use structures::{
 use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::{Progress, code};
-use crate::store::{Key, Store};
+use crate::stages::Progress;
+use crate::store::Store;
 
 /// Name of the measurements where there are none.
 const NO_MEASUREMENTS: &str = "no measurements";
@@ -65,34 +70,14 @@ pub fn calibrate(
     request: &Request,
     progress: &Progress,
 ) -> Result<(CalibrationResult, Files), Error> {
-    if let Some(joint) = &design.study().draws {
-        let measured = joint.measured.clone();
-        return Err(CalibrationError::Calibrated { measured }.into());
-    }
-    let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
-    let reader = reader::Reader { design, with: &with };
-    let file = measured.map_or_else(|| NO_MEASUREMENTS.to_owned(), |path| path.display().to_string());
-    let measured = match measured {
-        Some(path) => reader.read(&reader::text(path)?)?,
-        None => measurements::Measurements::default(),
-    };
-    let held_out = request.hold_out.iter().map(|name| {
-        let known = measured.data.iter().map(|own| own.name.as_str());
-        let known = known.chain(measured.levels.iter().map(|own| own.name.as_str()));
-        known
-            .clone()
-            .position(|own| own == name)
-            .ok_or_else(|| CalibrationError::HeldOut {
-                name: name.clone(),
-                known: known.collect::<Vec<_>>().join(", "),
-            })
-    });
-    let held_out = held_out.collect::<Result<Vec<usize>, _>>()?;
-    let of_cycle = measured.data.len();
-    let (held_out, held_levels): (Vec<usize>, Vec<usize>) = held_out.into_iter().partition(|&own| own < of_cycle);
-    let held_levels: Vec<usize> = held_levels.into_iter().map(|own| own - of_cycle).collect();
+    let Read {
+        file,
+        measured,
+        held_out,
+        held_levels,
+    } = Read::of(design, assignments, measured, request)?;
     let tool = tool::Tool::new(design, &measured, request.seed)?;
-    let key = key(design, &tool, &measured, request);
+    let key = key::key(design, &tool, &measured, request);
     let calibration = posterior::Calibration {
         tool,
         measured: &measured,
@@ -129,6 +114,7 @@ pub fn calibrate(
             tool: &posterior.tool,
             design,
             joint: joint.clone(),
+            effort: &measured.effort,
             points: posterior.state.particles.iter().map(|own| own.z.as_slice()).collect(),
         };
         result.next = levelled.next(&graph, request.levels, request.seed, progress)?;
@@ -137,24 +123,93 @@ pub fn calibrate(
     Ok((result, files))
 }
 
-/// Key of candidates and draws: everything except which readings are used.
-fn key(design: &Design, tool: &tool::Tool, measured: &measurements::Measurements, request: &Request) -> Key {
-    let variables: Vec<String> = tool.sampler.variables().iter().map(|own| format!("{own:?}")).collect();
-    let conditions: Vec<String> = measured.conditions.iter().map(|own| own.design.digest()).collect();
-    let data = format!("{:?} {:?} {:?}", measured.data, measured.correlations, measured.direct);
-    let shown: Vec<String> = measured
-        .conditions
-        .iter()
-        .map(|own| format!("{:?} {:?}", own.shown, own.outcomes))
-        .collect();
-    Key::empty()
-        .with(&code![calibration, dynamics])
-        .with(&design.digest())
-        .with(&variables)
-        .with(&conditions)
-        .with(&shown)
-        .with(&data)
-        .with(&design.study().require)
-        .with(&request.draws)
-        .with(&request.seed)
+/// A check of a calibration.
+#[derive(Debug, Clone, Copy)]
+pub struct CheckRequest<'a> {
+    /// File of measurements.
+    pub measured: &'a Path,
+    /// Settings of each calibration.
+    pub request: &'a Request,
+    /// Number of truths from the ranges that are measured and calibrated.
+    pub runs: usize,
+    /// Folder of the finished runs; repeating a check that was interrupted continues with them.
+    pub folder: &'a Path,
+}
+
+/// Checks a calibration, see [`CheckResult`]. `before` is given the work ahead.
+///
+/// # Errors
+/// Those of [`calibrate`], and of the files in the folder.
+pub fn check(
+    store: &Store,
+    design: &Design,
+    assignments: &[Assignment],
+    asked: CheckRequest<'_>,
+    progress: &Progress,
+    before: impl FnOnce(CheckCost),
+) -> Result<CheckResult, Error> {
+    let read = Read::of(design, assignments, Some(asked.measured), asked.request)?;
+    let check = check::Check {
+        design,
+        measured: &read.measured,
+        file: read.file,
+        held_out: read.held_out,
+        request: asked.request,
+        store,
+        progress,
+    };
+    before(check.cost(asked.runs)?);
+    check.run(asked.runs, asked.folder)
+}
+
+/// The measurements of a call.
+struct Read {
+    /// Name of their file.
+    file: String,
+    measured: measurements::Measurements,
+    /// Readings of the cycle that are only predicted, and levels.
+    held_out: Vec<usize>,
+    held_levels: Vec<usize>,
+}
+
+impl Read {
+    fn of(
+        design: &Design,
+        assignments: &[Assignment],
+        measured: Option<&Path>,
+        request: &Request,
+    ) -> Result<Self, Error> {
+        if let Some(joint) = &design.study().draws {
+            let measured = joint.measured.clone();
+            return Err(CalibrationError::Calibrated { measured }.into());
+        }
+        let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
+        let reader = reader::Reader { design, with: &with };
+        let file = measured.map_or_else(|| NO_MEASUREMENTS.to_owned(), |path| path.display().to_string());
+        let measured = match measured {
+            Some(path) => reader.read(&reader::text(path)?)?,
+            None => measurements::Measurements::default(),
+        };
+        let held_out = request.hold_out.iter().map(|name| {
+            let known = measured.data.iter().map(|own| own.name.as_str());
+            let known = known.chain(measured.levels.iter().map(|own| own.name.as_str()));
+            known
+                .clone()
+                .position(|own| own == name)
+                .ok_or_else(|| CalibrationError::HeldOut {
+                    name: name.clone(),
+                    known: known.collect::<Vec<_>>().join(", "),
+                })
+        });
+        let held_out = held_out.collect::<Result<Vec<usize>, _>>()?;
+        let of_cycle = measured.data.len();
+        let (held_out, held_levels): (Vec<usize>, Vec<usize>) = held_out.into_iter().partition(|&own| own < of_cycle);
+        let held_levels: Vec<usize> = held_levels.into_iter().map(|own| own - of_cycle).collect();
+        Ok(Self {
+            file,
+            measured,
+            held_out,
+            held_levels,
+        })
+    }
 }

@@ -1,6 +1,7 @@
 //! What to measure next: the gain of usual measurements in the interval of the total and in the order of the sources,
 //! from the draws at hand and their levels.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nailnoise_calibration::likelihood::ErrorLaw;
@@ -119,6 +120,17 @@ const LEVEL_ERROR: f64 = 0.7;
 /// Name of that measurement.
 const LEVEL: &str = "level at one microphone";
 
+/// Names under which a file states minutes of keys of the tool and of levels.
+const DIRECT_EFFORT: &str = "direct";
+const LEVEL_EFFORT: &str = "level";
+
+/// Names of further measurements whose minutes a file may state.
+pub(super) fn efforts() -> impl Iterator<Item = &'static str> {
+    let mut names: Vec<&str> = USUAL.iter().map(|own| own.quantity.name()).collect();
+    names.dedup();
+    names.into_iter().chain([DIRECT_EFFORT, LEVEL_EFFORT])
+}
+
 /// Number of keys of a known study that are weighed: those with which the total correlates most.
 const KEYS_OF_STUDY: usize = 6;
 
@@ -161,6 +173,8 @@ pub(super) struct Levelled<'a> {
     pub(super) joint: JointDraws,
     /// Points of the rows.
     pub(super) points: Vec<&'a [f64]>,
+    /// Minutes that the user states, by name.
+    pub(super) effort: &'a BTreeMap<String, f64>,
 }
 
 impl Levelled<'_> {
@@ -192,7 +206,12 @@ impl Levelled<'_> {
             first: &first,
         };
         let mut found = Vec::new();
-        found.extend(level(&total).row(outputs, seed));
+        let minutes = |name: &str, usual: f64| self.effort.get(name).copied().unwrap_or(usual);
+        let sound = Candidate {
+            minutes: minutes(LEVEL_EFFORT, LEVEL_MINUTES),
+            ..level(&total)
+        };
+        found.extend(sound.row(outputs, seed));
         progress.stage("shots that could be measured");
         let ambient = self.design.ambient.pressure;
         for share in PRESSURES {
@@ -222,7 +241,7 @@ impl Levelled<'_> {
                     name: usual.name.to_owned(),
                     condition: condition.clone(),
                     unit: usual.quantity.dimension().unit(),
-                    minutes: usual.minutes,
+                    minutes: minutes(usual.quantity.name(), usual.minutes),
                     predictions,
                     scale: ((reading * reading + scatter * scatter) / SHOTS + model * model).sqrt(),
                 };
@@ -233,7 +252,10 @@ impl Levelled<'_> {
             let name = self.tool.name(variable);
             let unit = self.tool.sampler.variables()[variable].unit();
             let predictions = rows.iter().map(|&row| self.joint.rows[row][variable]).collect();
-            let candidate = of_part(name, unit, predictions);
+            let candidate = of_part(name, unit, predictions).map(|own| Candidate {
+                minutes: minutes(DIRECT_EFFORT, DIRECT_MINUTES),
+                ..own
+            });
             found.extend(candidate.and_then(|own| own.row(outputs, seed)));
         }
         found.sort_by(|a, b| b.narrower_an_hour.total_cmp(&a.narrower_an_hour));
@@ -294,6 +316,7 @@ fn level(total: &[f64]) -> Candidate {
     let sound = LevelQuantity::Sound {
         source: None,
         position: Position::Microphone(0),
+        band: None,
     };
     let shots = LEVEL_ERROR.hypot(sound.scatter()) / SHOTS.sqrt();
     Candidate {

@@ -140,6 +140,21 @@ impl Family {
 }
 
 impl Quantity {
+    /// Its name in the file.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::HeadDepth => NAMES[0],
+            Self::AirPerShot => NAMES[1],
+            Self::Interval { .. } => NAMES[2],
+            Self::MeanDriveSpeed => NAMES[3],
+            Self::SpeedBeforeImpact => NAMES[4],
+            Self::PistonTravel(_) => NAMES[5],
+            Self::Pressure(..) => NAMES[6],
+            Self::PeakPressure(_) => NAMES[7],
+            Self::SupplyDrop => NAMES[8],
+        }
+    }
+
     /// Its dimension.
     pub(super) fn dimension(self) -> Dimension {
         match self {

@@ -1,5 +1,6 @@
 //! Reads the measurement file, `nailnoise-calibration/1`.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nailnoise_calibration::likelihood::Reading;
@@ -13,11 +14,13 @@ use super::error::CalibrationError;
 use super::fields::{
     MOST_SHOTS, Repeats, error, mean_and_scatter, named, of_given, place, reading, repeated, spread, tables, words,
 };
+use super::level_file::OfFile;
 use super::level_quantities;
 use super::level_reader::OfLevel;
 use super::measurements::{
     Condition, Correlation, Direct, InstrumentError, Measured, MeasuredLevel, Measurements, Shown,
 };
+use super::next;
 use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, event};
 use crate::design::{Assignment, Design, DesignError};
 
@@ -83,7 +86,15 @@ impl Reader<'_> {
     pub(super) fn read(&self, document: &Document) -> Result<Measurements, CalibrationError> {
         let keys = document.table()?;
         let root = Keys::of_document(document, &keys, "file of measurements");
-        root.only(&["schema", "correlation", "direct", "instrument", "condition", "measured"])?;
+        root.only(&[
+            "schema",
+            "correlation",
+            "direct",
+            "instrument",
+            "condition",
+            "measured",
+            "effort",
+        ])?;
         root.required("schema", &format!("\"{SCHEMA}\""))?;
         if root.text("schema", &format!("\"{SCHEMA}\""))? != Some(SCHEMA) {
             return Err(root
@@ -125,10 +136,21 @@ impl Reader<'_> {
             return Err(root.error("measured", problem, help).into());
         }
         let (mut data, mut levels) = (Vec::new(), Vec::new());
+        // Errors that the levels of a file share are variables like those of the instruments.
+        let mut tests = Vec::new();
         for (name, table) in &measured {
             let conditions = conditions.as_slice();
             let instruments = instruments.as_slice();
-            if OfLevel::is_level(table) {
+            if OfFile::is_file(table) {
+                let at = OfFile {
+                    table,
+                    document,
+                    conditions,
+                    instrument: instruments.len() + tests.len(),
+                };
+                levels.extend(at.measured(name, &mut notes)?);
+                tests.push(format!("{name}.method"));
+            } else if OfLevel::is_level(table) {
                 let at = OfLevel {
                     table,
                     conditions,
@@ -144,6 +166,12 @@ impl Reader<'_> {
                 data.push(at.measured(name, &mut notes)?);
             }
         }
+        distinct(
+            &measured,
+            data.iter()
+                .map(|own| &own.name)
+                .chain(levels.iter().map(|own| &own.name)),
+        )?;
         for (condition, (_, table)) in conditions.iter().zip(tables(&root, "condition", "")?) {
             let of_cycle = data.iter().map(|own: &Measured| own.condition);
             let mut read = of_cycle.chain(levels.iter().map(|own: &MeasuredLevel| own.condition));
@@ -155,9 +183,10 @@ impl Reader<'_> {
         }
         Ok(Measurements {
             direct,
-            instruments: instruments.into_iter().map(|(name, _)| name).collect(),
+            instruments: instruments.into_iter().map(|(name, _)| name).chain(tests).collect(),
             conditions,
             correlations: correlations(&root, &data)?,
+            effort: effort(&root)?,
             data,
             levels,
             notes,
@@ -315,6 +344,38 @@ fn scalar(
             Err(_) => measure(text, dimension),
         }
     })
+}
+
+/// Refuses a measurement with the name of a level that a file contains.
+fn distinct<'n>(measured: &[(String, Keys<'_, '_>)], names: impl Iterator<Item = &'n String>) -> Result<(), KeyError> {
+    let mut known = std::collections::BTreeSet::new();
+    let Some(twice) = names.into_iter().find(|name| !known.insert(*name)) else {
+        return Ok(());
+    };
+    let help = "rename one of the two";
+    let at = measured.iter().find(|(name, _)| name == twice).or(measured.first());
+    at.map_or(Ok(()), |(_, table)| {
+        Err(table.error("", format!("has the name of a level in a file, `{twice}`"), help))
+    })
+}
+
+/// Minutes of further measurements.
+fn effort(root: &Keys<'_, '_>) -> Result<BTreeMap<String, f64>, KeyError> {
+    let mut found = BTreeMap::new();
+    let Some(table) = root.table("effort", "{ head_depth = 5 }")? else {
+        return Ok(found);
+    };
+    let known: Vec<&str> = next::efforts().collect();
+    for (key, value) in table.keys() {
+        let name = key.get_ref().to_string();
+        place(&table, &name, &name, known.iter().copied(), "further measurement")?;
+        let minutes = table.number(&name, value, |text| measure(text, NUMBER))?;
+        if minutes <= 0.0 {
+            return Err(table.error(&name, format!("is {minutes} min"), "give minutes above 0"));
+        }
+        found.insert(name, minutes);
+    }
+    Ok(found)
 }
 
 fn outcomes(table: &Keys<'_, '_>) -> Result<Vec<&'static str>, KeyError> {
@@ -577,336 +638,4 @@ fn shown(value: f64, dimension: Dimension) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-
-    use super::*;
-
-    /// A file with one condition and this measurement.
-    fn file(measured: &str) -> String {
-        format!(
-            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\n\
-             gauge = {{ error = \"2 %\" }}\n\
-             [condition]\na = {{ set = {{ \"supply.pressure\" = \"96 psig\" }}, \
-             instrument = {{ \"supply.pressure\" = \"gauge\" }}, outcome = \"drives\" }}\n[measured]\n{measured}\n"
-        )
-    }
-
-    fn read(text: &str) -> Result<Measurements, CalibrationError> {
-        let design = Design::shipped("n80cb.toml").unwrap();
-        let with =
-            |own: &[Assignment]| Design::load_with(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml"), own);
-        Reader {
-            design: &design,
-            with: &with,
-        }
-        .read(&Document::new(Path::new("shots.toml"), text))
-    }
-
-    fn one(measured: &str) -> Measured {
-        read(&file(measured)).unwrap().data.remove(0)
-    }
-
-    #[test]
-    fn readings_have_si_units_and_errors_of_their_mean() {
-        let own = one(
-            "m = { condition = \"a\", quantity = \"head_depth\", value = \"2 mm\", shots = 4, scatter = \"1 mm\", \
-             error = \"0.5 mm\", k = 2, instrument = \"caliper\", discrepancy = \"10 %\" }",
-        );
-        assert_eq!(own.reading, Reading::Value(2e-3));
-        let expected = ((0.25e-3_f64.powi(2) + 1e-3_f64.powi(2)) / 4.0).sqrt();
-        assert!((own.error / expected - 1.0).abs() < 1e-12);
-        assert!((own.discrepancy - 2e-4).abs() < 1e-15);
-        assert!((own.instrument.unwrap().deviation - 0.07e-3).abs() < 1e-15);
-    }
-
-    #[test]
-    fn repeats_mix_their_scatter_with_that_of_the_kind() {
-        let own = one(
-            "m = { condition = \"a\", quantity = \"head_depth\", values = [\"1 mm\", \"3 mm\", \"2 mm\"], \
-             rounding = \"0.3 mm\" }",
-        );
-        assert_eq!(own.reading, Reading::Value(2e-3));
-        let scatter = (4.0 * 1.5e-3_f64.powi(2) + 2e-6) / 6.0;
-        let expected = ((scatter + 0.3e-3_f64.powi(2) / 3.0) / 3.0).sqrt();
-        assert!((own.error / expected - 1.0).abs() < 1e-12, "{} {expected}", own.error);
-    }
-
-    #[test]
-    fn the_air_of_many_shots_is_read_once() {
-        let own = one(
-            "m = { condition = \"a\", quantity = \"air_per_shot\", value = \"24 l\", shots = 20, error = \"1 l\", \
-             scatter = \"0 l\" }",
-        );
-        assert!(matches!(own.reading, Reading::Value(value) if (value / 1.2e-3 - 1.0).abs() < 1e-12));
-        assert!((own.error / 5e-5 - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn gauge_pressures_count_from_ambient_and_gauges_err_by_what_they_show() {
-        let all = read(&file(
-            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", \
-             error = \"1 psi\" }",
-        ))
-        .unwrap();
-        let psi = 6_894.757_293_168_361;
-        let Reading::Value(value) = all.data[0].reading else {
-            panic!("a value")
-        };
-        assert!((value - 90.0 * psi - 101_325.0).abs() < 2e3, "{value}");
-        let shown = &all.conditions[0].shown[0];
-        assert!((shown.deviation / (0.02 * 96.0 * psi) - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn accelerations_and_levels_are_decibels() {
-        let level = |measured: &str| read(&file(measured)).unwrap().levels.remove(0);
-        let own = level(
-            "m = { condition = \"a\", quantity = \"rms_acceleration\", sensor = \"block_top\", value = \"2 g\", \
-             error = \"0.1 g\", k = 2, scatter = \"0 g\", discrepancy = \"10 %\" }",
-        );
-        assert!(matches!(own.reading, Reading::Value(x) if (x - 20.0 * (2.0 * 9.80665f64).log10()).abs() < 1e-9));
-        assert!((own.error - 0.025 * 8.685_889_6).abs() < 1e-6, "{}", own.error);
-        assert!((own.discrepancy - 0.868_588_96).abs() < 1e-6);
-        let own = level(
-            "m = { condition = \"a\", quantity = \"level\", source = \"exhaust\", of = \"microphone-3\", \
-             values = [\"99 dB\", \"101 dB\"], error = \"0.7 dB\" }",
-        );
-        assert_eq!(own.reading, Reading::Value(100.0));
-        let scatter = (4.0 * 0.25 + 2.0) / 5.0;
-        assert!((own.error - ((0.49 + scatter) / 2.0_f64).sqrt()).abs() < 1e-9);
-        assert_eq!(own.discrepancy, 1.0);
-        let own = level("m = { condition = \"a\", quantity = \"level\", at_most = \"104 dB\", error = \"1 dB\" }");
-        assert_eq!(own.reading, Reading::AtMost(104.0));
-    }
-
-    #[test]
-    fn censored_readings_are_bounds() {
-        let of = |bounds: &str| {
-            one(&format!(
-                "m = {{ condition = \"a\", quantity = \"head_depth\", {bounds}, error = \"1 mm\" }}"
-            ))
-            .reading
-        };
-        assert_eq!(of("at_most = \"-10 mm\""), Reading::AtMost(-10e-3));
-        assert_eq!(of("at_least = \"-10 mm\""), Reading::AtLeast(-10e-3));
-        assert_eq!(
-            of("at_least = \"-10 mm\", at_most = \"5 mm\""),
-            Reading::Within([-10e-3, 5e-3])
-        );
-    }
-
-    /// Problem and remedy for an invalid file.
-    fn fault(text: &str) -> String {
-        match read(text).unwrap_err() {
-            CalibrationError::Key(error) => format!("{error}; {}", error.help),
-            other => other.to_string(),
-        }
-    }
-
-    #[test]
-    fn every_fault_has_its_place_and_remedy() {
-        let depth = "condition = \"a\", quantity = \"head_depth\", value = \"2 mm\"";
-        for (measured, words) in [
-            (format!("m = {{ {depth} }}"), &["line 8", "no instrument is exact"][..]),
-            (
-                format!("m = {{ {depth}, error = \"0 mm\" }}"),
-                &["`measured.m.error` is 0", "rounding"],
-            ),
-            (format!("m = {{ {depth}, error = \"1 s\" }}"), &["a time", "a length"]),
-            (
-                format!("m = {{ {depth}, error = \"1 mm\", instrument = \"calliper\" }}"),
-                &["is it \"caliper\"?"],
-            ),
-            (
-                format!("m = {{ {depth}, error = \"1 mm\", values = [\"1 mm\"] }}"),
-                &["several kinds"],
-            ),
-            (
-                format!("m = {{ {depth}, error = \"1 mm\", events = [\"t1\", \"t2\"] }}"),
-                &["does not belong"],
-            ),
-            (format!("m = {{ {depth}, eror = \"1 mm\" }}"), &["is it `error`?"]),
-            (
-                "m = { condition = \"b\", quantity = \"head_depth\", value = \"2 mm\" }".to_owned(),
-                &["is no condition", "choose from a"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"head_dept\", value = \"2 mm\" }".to_owned(),
-                &["is it \"head_depth\"?"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t19\"], value = \"4 ms\" }"
-                    .to_owned(),
-                &["does not exist", "t0 to t18"],
-            ),
-            (
-                format!("m = {{ {depth}, rounding = \"1 mm\", error = \"1 mm\" }}"),
-                &["cannot be combined"],
-            ),
-            (
-                format!("m = {{ {depth}, error = \"1 mm\", k = 0 }}"),
-                &["is 0, outside 1 to 10"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"head_depth\", values = [], error = \"1 mm\" }".to_owned(),
-                &["`measured.m.values` is empty"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"head_depth\", value = 0, error = \"2 %\", \
-                 scatter = \"0 mm\", discrepancy = \"5 %\" }"
-                    .to_owned(),
-                &["is 0 at this value", "as an amount"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t9\"], \
-                 value = \"-4 ms\", error = \"1 ms\" }"
-                    .to_owned(),
-                &["below 0", "correct the sign"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"pressure\", of = \"supply\", at = \"3 s\", \
-                 value = \"4 bar\", error = \"1 %\" }"
-                    .to_owned(),
-                &["`measured.m.at` is 3 s", "analysis.cycle_end"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"head_depth\", at_most = \"1 mm\", at_least = \"2 mm\", \
-                 error = \"1 mm\" }"
-                    .to_owned(),
-                &["is not below `at_most`"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"loss_factor\", value = \"100\" }".to_owned(),
-                &["this version cannot calibrate"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"level\", value = \"100\", band = \"500 Hz\" }".to_owned(),
-                &["line 8", "`measured.m.band`", "this version cannot calibrate"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"level\", value = \"100 dB\" }".to_owned(),
-                &["`measured.m.error`", "no instrument is exact"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"level\", value = \"100 dB\", error = \"1 %\" }".to_owned(),
-                &["`measured.m.error`", "percentage of a level", "give it in dB"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"level\", source = \"exaust\", value = \"100 dB\", \
-                 error = \"1 dB\" }"
-                    .to_owned(),
-                &[
-                    "line 8",
-                    "`measured.m.source`",
-                    "is it \"exhaust\"?",
-                    "workpiece, exhaust, body, total",
-                ],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"level\", of = \"microphone-10\", value = \"100 dB\", \
-                 error = \"1 dB\" }"
-                    .to_owned(),
-                &["line 8", "`measured.m.of`", "no position of a level", "microphone-9"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"level\", value = \"9 g\", error = \"1 dB\" }".to_owned(),
-                &["`measured.m.value`", "a level in dB"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"rms_acceleration\", sensor = \"block_to\", value = \"9 g\", \
-                 error = \"5 %\" }"
-                    .to_owned(),
-                &["line 8", "`measured.m.sensor`", "is it \"block_top\"?", "table_centre"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"rms_acceleration\", sensor = \"block_top\", value = \"0 g\", \
-                 error = \"5 %\" }"
-                    .to_owned(),
-                &["`measured.m.value`", "not above 0"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"peak_acceleration\", sensor = \"block_top\", of = \"ear\", \
-                 value = \"9 g\", error = \"5 %\" }"
-                    .to_owned(),
-                &["`measured.m.of`", "does not belong to `peak_acceleration`"],
-            ),
-            (
-                "m = { condition = \"a\", quantity = \"mode\", body = \"block\", hz = [100] }".to_owned(),
-                &["`measured.m.body`", "this version cannot calibrate"],
-            ),
-        ] {
-            let got = fault(&file(&measured));
-            assert!(words.iter().all(|word| got.contains(word)), "{measured}\n{got}");
-        }
-    }
-
-    #[test]
-    fn faults_outside_the_measurements_are_named_too() {
-        let good = file("m = { condition = \"a\", quantity = \"head_depth\", value = \"2 mm\", error = \"1 mm\" }");
-        for (from, to, words) in [
-            ("schema = \"nailnoise-calibration/1\"", "", "`schema` is missing"),
-            ("outcome = \"drives\"", "outcome = \"drive\"", "is it \"drives\"?"),
-            (
-                "\"supply.pressure\" = \"96 psig\"",
-                "\"supply.presure\" = \"96 psig\"",
-                "supply.pressure",
-            ),
-            (
-                "\"supply.pressure\" = \"gauge\"",
-                "\"supply.pressure\" = \"caliper\"",
-                "a length",
-            ),
-            (
-                "[instrument]",
-                "[direct]\n\"piston.mas\" = { value = \"1 g\", error = \"1 g\" }\n[instrument]",
-                "`piston.mass`",
-            ),
-            (
-                "[instrument]",
-                "[direct]\n\"supply.pressure\" = { value = \"96 psig\", error = \"1 kPa\" }\n[instrument]",
-                "measured in [direct]",
-            ),
-            (
-                "[instrument]",
-                "correlation = [{ ids = [\"m\", \"n\"], r = 0.3 }]\n[instrument]",
-                "is no measurement",
-            ),
-            (
-                "[instrument]",
-                "correlation = [{ ids = [\"m\", \"m\"], r = 0.3 }]\n[instrument]",
-                "names a measurement twice",
-            ),
-            (
-                "[instrument]",
-                "correlation = [{ ids = [\"m\"], r = 0.3, rho = 1 }]\n[instrument]",
-                "unknown key `rho`",
-            ),
-            (
-                "[instrument]",
-                "[direct]\npiston.mass = { value = \"131 g\", error = \"1 g\" }\n[instrument]",
-                "\"piston.mass\" = { .. }",
-            ),
-            (
-                "[instrument]",
-                "[direct]\n\"wood.species\" = { value = \"pine\", error = \"1 g\" }\n[instrument]",
-                "is not a quantity; set it in the design",
-            ),
-            (
-                "caliper = { error = \"1 % + 0.05 mm\" }",
-                "caliper = { error = \"0.0 mm\" }",
-                "no instrument is exact",
-            ),
-            (
-                "set = { \"supply.pressure\" = \"96 psig\" }",
-                "set = { supply.pressure = \"96 psig\" }",
-                "write the whole key in quotes",
-            ),
-        ] {
-            assert!(good.contains(from), "{from}");
-            let got = fault(&good.replacen(from, to, 1));
-            assert!(got.contains(words), "{to}\n{got}");
-        }
-        assert!(fault(&file("")).contains("`nailnoise study` is enough"));
-    }
-}
+mod tests;

@@ -307,6 +307,11 @@ pub(super) fn figures_of<'z>(tool: &Tool, design: &Design, points: impl Iterator
         .collect()
 }
 
+/// Names of the figures, in the order of [`figures_of`].
+pub(super) fn figure_names() -> impl Iterator<Item = &'static str> {
+    FIGURES.iter().map(|own| own.name)
+}
+
 /// A quantile of the finite values.
 fn quantile(values: impl Iterator<Item = f64>, p: f64) -> f64 {
     quantile_of(&mut values.filter(|own| own.is_finite()).collect::<Vec<_>>(), p)

@@ -12,10 +12,10 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use nailnoise_calibration::Simulator;
-use nailnoise_calibration::likelihood::Prediction;
 use nailnoise_documents::Document;
 
+use super::check::Truth;
+use super::key::key;
 use super::measurements::Measurements;
 use super::posterior::{Calibration, Request, Treatment};
 use super::quantities::Quantity;
@@ -23,10 +23,10 @@ use super::random::standard_normal;
 use super::reader::Reader;
 use super::result::{CalibrationResult, figures_of, result};
 use super::tool::Tool;
-use crate::design::{Assignment, Design, Values};
+use crate::design::{Assignment, Design};
 use crate::stages::{Progress, Silent};
 use crate::store::Store;
-use crate::study::{Drawn, Frame, Rejections};
+use crate::study::Drawn;
 
 /// Three depths, air, three times, a speed and a pressure, at three supply pressures.
 const FILE: &str = r#"
@@ -131,35 +131,12 @@ fn filled(readings: &[f64]) -> String {
     text
 }
 
-/// A hidden tool that drives the nail and whose exhaust ends within the record.
-fn hidden(tool: &Tool, twin: u64) -> (Vec<f64>, Vec<f64>) {
-    let bases: Vec<Values> = tool.conditions.iter().map(|own| Values::clone(&own.design)).collect();
-    let active = vec![true; tool.keys()];
-    for index in 0.. {
-        let frame = Frame::new(&bases, &active, 1 + twin);
-        let Ok(point) = tool.sampler.point(frame, index, &mut Rejections::new()) else {
-            continue;
-        };
-        let mut z = tool.sampler.to_normal(&point);
-        let shared = 0..tool.shared.len() as u64;
-        z.extend(shared.map(|k| standard_normal(HIDDEN ^ twin, index, k)));
-        let predictions: Result<Vec<Vec<Prediction>>, _> =
-            (0..tool.conditions.len()).map(|k| tool.predict(&z, k)).collect();
-        let Ok(predictions) = predictions else { continue };
-        // In the order of the file: all but two of the depths are under the first condition.
-        let own = [
-            &predictions[0][..1],
-            &predictions[1],
-            &predictions[2],
-            &predictions[0][1..],
-        ]
-        .concat();
-        let is_value = |own: &Prediction| matches!(own, Prediction::Value(_));
-        if own.iter().all(is_value) {
-            return (z, own.iter().map(|own| own.value()).collect());
-        }
-    }
-    unreachable!("the sequence does not end")
+/// A hidden tool that drives the nail and whose exhaust ends within the record, and its readings without errors.
+fn hidden(tool: &Tool, measured: &Measurements, twin: u64) -> (Vec<f64>, Vec<f64>) {
+    let likelihood = super::tool::likelihood(tool, measured, &[], &Default::default()).unwrap();
+    let truth = Truth::draw(tool, &likelihood, (1 + twin, HIDDEN ^ twin)).unwrap();
+    let values = truth.predictions.iter().map(|own| own.value()).collect();
+    (truth.z, values)
 }
 
 /// The true values with errors as stated in the file.
@@ -185,7 +162,7 @@ fn calibrated(design: &Design, text: &str, store: &Store, seed: u64) -> Calibrat
     };
     let tool = Tool::new(design, &measured, seed).unwrap();
     let calibration = Calibration {
-        key: super::key(design, &tool, &measured, &request),
+        key: key(design, &tool, &measured, &request),
         tool,
         measured: &measured,
         request: &request,
@@ -214,7 +191,7 @@ fn hidden_twins_are_covered() {
         let begin = std::time::Instant::now();
         let measured = measurements(&design, &typical);
         let tool = Tool::new(&design, &measured, HIDDEN).unwrap();
-        let (z, truth) = hidden(&tool, twin);
+        let (z, truth) = hidden(&tool, &measured, twin);
         let measured = measurements(&design, &filled(&truth));
         let mut read = readings(&tool, &measured, &z, &truth, twin);
         if let Some(name) = &wrong {

@@ -7,11 +7,14 @@ use nailnoise_quantities::rounded;
 use serde::Serialize;
 
 use super::table::{table, texts};
-use super::{Keeping, Options, Shown, Status, given_or_named, message, print, print_json, progress, structures};
+use super::{
+    Keeping, Options, Shown, Status, calibration_check, given_or_named, message, print, print_json, progress,
+    structures,
+};
 use crate::atomic_write::AtomicWrite;
 use crate::calibration::{
-    self, CalibrationResult, ConflictRow, LevelRow, NOT_CONVERGED, NextRow, Request, StructuresRequest, Treatment,
-    calibrate_structures,
+    self, CalibrationResult, CheckCost, CheckRequest, ConflictRow, LevelRow, NOT_CONVERGED, NextRow, Request,
+    StructuresRequest, Treatment, calibrate_structures,
 };
 use crate::error::Error;
 use crate::store::Store;
@@ -32,6 +35,8 @@ const NEXT_SHOWN: usize = 8;
         check",
     "nailnoise calibrate my-tool.toml --next" => "what to measure first",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --draws 256 --moves 12" => "a quick look",
+    "nailnoise calibrate my-tool.toml --measured my-shots.toml --check 20" => "whether the calibrations of 20 virtual \
+        tools contain their truth",
     "nailnoise calibrate --structures examples/plates/spruce.toml" => "elastic constants of plates from tap tests",
 ))]
 pub(super) struct Arguments {
@@ -70,6 +75,10 @@ pub(super) struct Arguments {
     /// Rank further measurements by how much an hour of work on each narrows the levels; needs no measurements
     #[arg(long)]
     next: bool,
+    /// Check the calibration instead: K tools drawn from the ranges are measured with the stated errors and calibrated
+    #[arg(long, value_name = "K", conflicts_with_all = ["next", "structures", "conflict"], requires = "measured",
+        value_parser = clap::value_parser!(u16).range(1..=1000))]
+    check: Option<u16>,
     /// Number of draws whose levels are computed, for measured levels and for --next
     #[arg(long, value_name = "K", default_value_t = 128, value_parser = clap::value_parser!(u32).range(8..=4096))]
     levels: u32,
@@ -159,6 +168,26 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
     };
     let progress = progress();
     let set = &options.changes.set;
+    if let (Some(runs), Some(measured)) = (arguments.check, &arguments.measured) {
+        let asked = CheckRequest {
+            measured,
+            request: &request,
+            runs: usize::from(runs),
+            folder: &folder.join(calibration_check::RUNS),
+        };
+        let said = |cost: CheckCost| message(&calibration_check::ahead(&asked, cost));
+        let result = calibration::check(&store, &design, set, asked, &progress, said)?;
+        place(AtomicWrite::within(&folder)?, calibration_check::RESULT, &result)?;
+        progress.end();
+        if options.json {
+            print_json(&result)?;
+        } else {
+            arguments.shown.print(&calibration_check::text(&result))?;
+            print(&format!("\n  files in {}\n", folder.display()))?;
+        }
+        // A check that fails is a numerical failure.
+        return Ok(status(result.is_uniform != Some(false), false));
+    }
     let (result, files) =
         calibration::calibrate(&store, &design, set, arguments.measured.as_deref(), &request, &progress)?;
     progress.stage("writing files");

@@ -14,6 +14,7 @@ mod assembly;
 mod bodies;
 mod cache;
 mod calibrate;
+mod calibration_check;
 mod check;
 mod cli;
 mod compare;

@@ -306,6 +306,28 @@ fn measured_levels_narrow_the_total_around_the_truth_unless_they_contradict_each
     );
     assert!(total(&held_out).1("now") > total(&narrow).1("now"), "{text}");
 
+    // The loudest third octave of the same shot, which is only predicted.
+    let loudest = truth["ranking"][0]["bands"].as_array().unwrap().iter();
+    let loudest = loudest
+        .filter(|own| !own["lwa_db"].is_null() && (63.0..=8000.0).contains(&number(&own["hz"])))
+        .max_by(|a, b| number(&a["lwa_db"]).total_cmp(&number(&b["lwa_db"])))
+        .unwrap();
+    let source = truth["ranking"][0]["source"].as_str().unwrap();
+    let band = format!(
+        "band = {{ condition = \"own\", quantity = \"level\", source = \"{source}\", band = \"{} Hz\", \
+         value = \"{} dB\", error = \"0.7 dB\", shots = 5 }}\n",
+        loudest["hz"], loudest["lwa_db"]
+    );
+    let (predicted, text, _) = made(&format!("{sound}{vibration}{band}"), &["--hold-out", "band"]);
+    let row = &predicted["measurements"][2];
+    let ends = |key: &str| [0, 1].map(|end| number(&row[key][end]));
+    let [before, now] = [ends("before"), ends("now")];
+    let true_level = number(&loudest["lwa_db"]);
+    assert!((now[0]..now[1]).contains(&true_level) && row["unit"] == "dB", "{text}");
+    assert!(now[1] - now[0] < before[1] - before[0], "{text}");
+    // A band has no more than the energy of its source.
+    assert!(now[1] < number(&total(&predicted).0["now"][2]), "{text}");
+
     // Two levels of the same quantity that differ by 12 dB.
     let power = |name: &str, level: f64| {
         format!(
@@ -347,4 +369,52 @@ fn readings_have_readable_units() {
         (reading["unit"].as_str(), reading["reading"][0].as_f64()),
         (Some("m"), Some(2e-3))
     );
+}
+
+/// Virtual tools are measured and calibrated; a check that was cut off goes on with its finished runs.
+#[test]
+fn a_check_places_the_truths_of_virtual_tools_and_goes_on_where_it_ended() {
+    let (folder, design) = made("check", &measurements("-17 mm", "-1 mm"));
+    let check = |runs: &str| calibrate(&folder, &design, &["--draws", "64", "--check", runs]);
+    let output = check("2");
+    let (text, said) = (String::from_utf8_lossy(&output.stdout).into_owned(), messages(&output));
+    assert_eq!(output.status.code(), Some(0), "{text}\n{said}");
+    assert!(
+        said.contains("2 calibrations of 64 draws need about") && said.contains("million nailing cycles"),
+        "{said}"
+    );
+    let out = folder.join("out/calibration");
+    let read = || fs::read(out.join("check.json")).unwrap();
+    let first = read();
+    let result: Value = serde_json::from_slice(&first).unwrap();
+    let number = |key: &str| result[key].as_u64().unwrap();
+    assert_eq!(number("runs"), 2);
+    assert_eq!(number("counted") + number("not_converged") + number("in_conflict"), 2);
+    // Two runs are too few for a test.
+    assert!(
+        result["is_uniform"].is_null() && text.contains("too few for a test"),
+        "{text}"
+    );
+    let rows = result["quantities"].as_array().unwrap();
+    let kinds = |kind: &str| rows.iter().filter(|own| own["kind"] == kind).count();
+    assert!(
+        kinds("input") > 20 && kinds("reading") == 3 && kinds("figure") == 8,
+        "{}",
+        rows.len()
+    );
+    assert!(!out.join("calibration.json").exists());
+
+    // One of the runs is lost, the other one is kept; both are those of before.
+    let kept = out.join("check/run-0002.json");
+    let written = || fs::metadata(&kept).unwrap().modified().unwrap();
+    let before = written();
+    fs::remove_file(out.join("check/run-0001.json")).unwrap();
+    fs::remove_dir_all(folder.join("cache")).unwrap();
+    assert_eq!(check("2").status.code(), Some(0));
+    assert_eq!(read(), first);
+    assert_eq!(written(), before);
+    // The runs belong to these measurements.
+    fs::write(folder.join("shots.toml"), measurements("-16 mm", "-1 mm")).unwrap();
+    assert_eq!(check("1").status.code(), Some(0));
+    assert!(read() != first);
 }
