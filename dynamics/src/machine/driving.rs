@@ -8,21 +8,12 @@
 
 use serde::Serialize;
 
-use super::rig::{Logged, Rig};
+use super::rig::{Logged, Rig, Shot};
 use super::{Machine, MachineError};
 use nailnoise_penetration::fit::FittedLaw;
 
 /// Speed of longitudinal waves along a steel nail, sqrt(E/rho) with E = 205 GPa and rho = 7850 kg/m3 \[m/s\].
 const WAVE_SPEED: f64 = 5110.0;
-
-/// One shot into one specimen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shot {
-    /// v0, speed of the projectile at the nail \[m/s\].
-    pub speed: f64,
-    /// b, deviation of the specimen from the law, of s = sqrt(F_r/(H_M NL)).
-    pub deviation: f64,
-}
 
 /// A state of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -15,9 +15,10 @@ use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{gas_pressure, group, nonnegative, positive};
 use thiserror::Error;
 
-pub use driving::{Drive, EnergyOfDrive, Sample, Shot, drive};
+pub use driving::{Drive, EnergyOfDrive, Sample, drive};
 pub use launch::{Launched, launch};
 pub use plan::{MASSES, PlanError, Row, TOOL_MASS, TOOL_SPEED, TOOL_SPEED_STEP, plan, speed_for_mean};
+pub use rig::Shot;
 pub use sensors::{Readings, read};
 
 use crate::{Ambient, Wood};

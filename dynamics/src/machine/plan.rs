@@ -3,7 +3,8 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use super::driving::{Shot, drive};
+use super::driving::drive;
+use super::rig::Shot;
 use super::{Machine, MachineError};
 use nailnoise_penetration::fit::FittedLaw;
 

@@ -8,7 +8,7 @@ use nailnoise_penetration::fit::FittedLaw;
 use nailnoise_quantities::Group;
 use nailnoise_quantities::dimension::{NUMBER, VELOCITY};
 
-use super::{Machine, MachineError, Shot};
+use super::{Machine, MachineError};
 use crate::network::assembly::FastenerLaw;
 use crate::network::{self, Assembly, AssemblyError, AssemblyText, KeyValue, LogEntry, Numerics, Record, RunError};
 
@@ -18,6 +18,15 @@ const TOLERANCE: f64 = 1e-10;
 const LONGEST: f64 = 0.5;
 /// Channels of a drive.
 const CHANNELS: [&str; 4] = ["nail.tip", "projectile.velocity", "nail.force", "cell"];
+
+/// One shot into one specimen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shot {
+    /// v0, speed of the projectile at the nail \[m/s\].
+    pub speed: f64,
+    /// b, deviation of the specimen from the law, of s = sqrt(F_r/(H_M NL)).
+    pub deviation: f64,
+}
 
 /// A machine with its values, ready for a run.
 pub(super) struct Rig(Assembly);
