@@ -69,6 +69,10 @@ fn names_must_exist_and_be_unique() {
             "[cycle.opening.exhaust]\nrestriction = \"hole\"",
             &["none of seat, holes", "did you mean \"holes\"?"],
         ),
+        (
+            "[cycle.opening.exhaust]\npassage = \"leak\"",
+            &["\"leak\" has a single restriction", "restriction = false"],
+        ),
         ("[cycle.event.t5]\nafter = \"t99\"", &["no event"]),
         (
             "[cycle.spring.seat]\non = \"piston\"\npush = \"up\"\nstiffness = \"1 N/mm\"",

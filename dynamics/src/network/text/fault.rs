@@ -164,6 +164,14 @@ pub enum Fault {
         /// Words.
         words: Vec<String>,
     },
+    /// An opening names a restriction of a passage that has only one.
+    #[error("is \"{found}\", but \"{passage}\" has a single restriction, without a name")]
+    SingleRestriction {
+        /// Text as given.
+        found: String,
+        /// Passage of the opening.
+        passage: String,
+    },
     /// A passage connects a space to itself.
     #[error("leads from \"{space}\" back to itself")]
     SelfLoop {
@@ -286,6 +294,10 @@ impl Fault {
                 "leave one of them; `replace = true` drops the fields of the assembly that this one changes".to_owned()
             }
             Self::Word { found, words } => choose(found, words, "choose one of"),
+            Self::SingleRestriction { .. } => {
+                "leave it out; `restriction = false` in your opening drops that of the assembly which you change"
+                    .to_owned()
+            }
             Self::SelfLoop { .. } => "name two spaces in `between`".to_owned(),
             Self::Circle { .. } => "break the circle: one of them must be given by other quantities".to_owned(),
             Self::NoAtmosphere => {

@@ -79,7 +79,7 @@ impl Source for ExhaustAir {
             notes: Box::new(move |_| {
                 let (record, known) = (cycle.get()?, known.get()?);
                 Ok(SourceNotes {
-                    shot: on_shot.clone(),
+                    shot: on_shot.iter().cloned().chain(notes::unended(&record)).collect(),
                     methods: notes::methods(range_high, &record, &openings, &known.details),
                 })
             }),

@@ -5,6 +5,26 @@ use nailnoise_acoustics::jets::ValveNoise;
 use super::sound::{ExhaustDetails, Muffler, Openings};
 use crate::stages::cycle::ShotRecord;
 
+/// Part of the largest flow of an opening below which the flow counts as ended.
+const ENDED: f64 = 0.05;
+
+/// Notes on openings that still discharge at the end of the record.
+pub(super) fn unended(record: &ShotRecord) -> impl Iterator<Item = String> {
+    record.openings.iter().filter_map(|opening| {
+        let last = *opening.mass_flow.last()?;
+        let largest = opening.mass_flow.iter().copied().fold(0.0, f64::max);
+        (last > ENDED * largest).then(|| {
+            format!(
+                "exhaust: {} still discharges {:.3} g/s at the end of the record, {:.0} % of its largest flow; the \
+                 level excludes the rest: lengthen `end` of `[cycle]`, or `analysis.cycle_end`",
+                opening.name,
+                1e3 * last,
+                100.0 * last / largest
+            )
+        })
+    })
+}
+
 /// Notes on the methods of the exhaust, whose levels end at `range_high` \[Hz\].
 pub(super) fn methods(
     range_high: f64,

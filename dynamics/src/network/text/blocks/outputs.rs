@@ -24,8 +24,16 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
         let restriction = match fields.text("restriction")? {
             None => names.len().saturating_sub(1),
             Some(found) => names.iter().position(|name| name == found).ok_or_else(|| {
-                let (found, words) = (found.to_owned(), names.clone());
-                fields.error("restriction", Fault::Word { found, words })
+                let found = found.to_owned();
+                let passage = passages.get(passage).map_or_else(String::new, |own| own.name.clone());
+                let fault = match names.as_slice() {
+                    [single] if single.is_empty() => Fault::SingleRestriction { found, passage },
+                    _ => Fault::Word {
+                        found,
+                        words: names.clone(),
+                    },
+                };
+                fields.error("restriction", fault)
             })?,
         };
         let count = fields.or("count", 1.0)?;
