@@ -1,8 +1,9 @@
 //! The network as one side of a coupling with an external workpiece.
 
 use super::drive::{Drive, Driven};
+use super::equations::Problem;
 use super::error::RunError;
-use super::integrate::{Problem, Run};
+use super::integrate::Run;
 use super::mode::Mode;
 use super::numerics::Numerics;
 use super::plan::Plan;

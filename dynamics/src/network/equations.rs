@@ -5,7 +5,7 @@ use std::cell::{Cell, RefCell};
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::{
     ConstantOp, Matrix as _, NalgebraContext, NalgebraVec, NonLinearOp, NonLinearOpJacobian, OdeEquations,
-    OdeEquationsRef, Op, ParameterisedOp, UnitCallable,
+    OdeEquationsRef, OdeSolverProblem, Op, ParameterisedOp, UnitCallable,
 };
 
 use super::jacobian::Jacobian;
@@ -21,6 +21,9 @@ type Vector = NalgebraVec<f64>;
 /// growth oscillate.
 const SETTLING: usize = 8;
 const AVERAGED: usize = 6;
+
+/// The equations with their tolerances.
+pub(crate) type Problem<'p> = OdeSolverProblem<Equations<'p>>;
 
 /// Counts of evaluations.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use super::super::modes;
 use super::super::surface::ColouredSurface;
-use super::View;
 use super::triangles::Triangles;
+use super::view::View;
 
 /// Directions to look from: the value that the script knows, and the words.
 const DIRECTIONS: [(&str, &str); 7] = [

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::super::{picture, raster};
 use super::triangles::{Part, Triangles, stack};
-use super::{SHOWN, View};
+use super::view::{SHOWN, View};
 
 /// Number of steps of the levels and of the coordinates in the data of the page.
 const LEVEL_STEPS: f64 = 255.0;

@@ -4,33 +4,23 @@
 mod controls;
 mod data;
 mod triangles;
+mod view;
 
 use maud::{Markup, PreEscaped, html};
 use nailnoise_acoustics::signals::octaves;
 
 use super::modes;
 use super::raster::{self, Triangle, scale};
-use super::surface::{ColouredSurface, level};
+use super::surface::ColouredSurface;
 use data::data;
 use triangles::Triangles;
-
-/// Range of levels shown below the highest \[dB\].
-const SHOWN: f64 = 30.0;
+use view::{SHOWN, View};
 
 /// Size of the picture \[px\].
 const SIZE: [usize; 2] = [1400, 880];
 
 /// Colour of covered faces.
 const COVERED: [f64; 3] = [200.0, 200.0, 200.0];
-
-/// A choice of the frequency range that the colours show.
-struct View {
-    label: String,
-    /// Level at the upper end of the colours \[dB re 1 pW s/m2\].
-    high: f64,
-    /// Energies of the faces of each body \[J/m2\].
-    energies: Vec<Vec<f64>>,
-}
 
 /// A view of all bodies; `None` if there is no surface.
 pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
@@ -94,23 +84,6 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
             script type="application/json" { (PreEscaped(data)) }
         }
     })
-}
-
-impl View {
-    fn new(label: String, surfaces: &[Triangles<'_>], energies: Vec<Vec<f64>>) -> Self {
-        let free = surfaces
-            .iter()
-            .zip(&energies)
-            .flat_map(|(surface, own)| surface.faces[..surface.free].iter().map(|&face| own[face]));
-        let high = level(free.fold(0.0, f64::max)).unwrap_or(0.0).ceil();
-        Self { label, high, energies }
-    }
-
-    /// The level of a face relative to the range of the colours, 0 to 1.
-    fn shade(&self, body: usize, face: usize) -> f64 {
-        let level = level(self.energies[body][face]).unwrap_or(f64::NEG_INFINITY);
-        (1.0 - (self.high - level) / SHOWN).clamp(0.0, 1.0)
-    }
 }
 
 fn image(surfaces: &[Triangles<'_>], view: &View) -> String {

@@ -11,13 +11,11 @@ use stability::Stability;
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::ode_solver::state::StateCommon;
-use diffsol::{
-    NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
-};
+use diffsol::{NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverState, OdeSolverStopReason, Vector};
 
 use super::audit::Audit;
 use super::drive::Drive;
-use super::equations::Equations;
+use super::equations::{Equations, Problem};
 use super::error::RunError;
 use super::events::Events;
 use super::linear::LedgerLu;
@@ -39,8 +37,6 @@ use crate::{Method, WoodMotion};
 const POINTS: usize = 2;
 /// Number of steps per second of the record after which a run is abandoned, but at least half a million.
 const STEP_LIMIT: usize = 500_000;
-
-pub(crate) type Problem<'p> = OdeSolverProblem<Equations<'p>>;
 
 /// Whether the next step of an explicit method, after a time and a state, is unstable.
 type Stiff<'s> = &'s mut dyn FnMut(f64, &[f64], f64) -> bool;

@@ -7,7 +7,7 @@
 //! selection of methods for solving stiff and nonstiff systems of ordinary differential equations, SIAM J. Sci. Stat.
 //! Comput. 4 (1983), 136-148).
 
-use super::Problem;
+use crate::network::equations::Problem;
 
 /// Longest stable step times spectral radius. The pair is stable for products up to 2.36 where eigenvalues are at least
 /// two degrees from the imaginary axis, and up to 3.5 on the negative real axis. An undamped motion grows by 2.6 % in a
