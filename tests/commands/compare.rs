@@ -138,7 +138,7 @@ fn a_file_that_is_not_a_result_is_refused() {
     fs::create_dir(&empty).unwrap();
     for (path, part) in [
         (&other, "nailnoise-run/0"),
-        (&cut, "no result"),
+        (&cut, "cannot compare the result"),
         (&empty, "cannot read"),
     ] {
         let output = nailnoise(&["compare", path.to_str().unwrap(), SMALL]);
