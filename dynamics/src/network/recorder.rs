@@ -2,7 +2,7 @@
 
 mod reads;
 
-use reads::Reads;
+use reads::{BLOCK, Reads, Source};
 
 use super::assembly::{PressurePatch, Space};
 use super::error::RunError;
@@ -11,26 +11,6 @@ use super::numerics::Numerics;
 use super::plan::{Pair, Plan};
 use super::probe::{Need, Probe, Program};
 use super::rates::Workspace;
-
-/// Source of a history.
-#[derive(Debug, PartialEq)]
-enum Source {
-    Probe(Probe),
-    /// Minus a quantity.
-    Negative(Probe),
-    Program(Program),
-}
-
-impl Source {
-    #[inline]
-    fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
-        match self {
-            Self::Probe(probe) => probe.value(plan, mode, w),
-            Self::Negative(probe) => -probe.value(plan, mode, w),
-            Self::Program(program) => program.value(plan, mode, w),
-        }
-    }
-}
 
 /// Passages whose flows are in a history or in a force; all if an expression may read any of them.
 fn passages(plan: &Plan, sources: &[Source]) -> Vec<usize> {
@@ -75,10 +55,6 @@ pub(super) struct SurfacePlace {
     /// Pressure below the divide, and the divide.
     pub(super) divided: Option<[usize; 2]>,
 }
-
-/// Number of samples of each history collected before they are appended. The histories are far apart in
-/// memory, and each sample would touch as many pages as there are histories.
-const BLOCK: usize = 32;
 
 /// Histories under construction.
 #[derive(Debug)]

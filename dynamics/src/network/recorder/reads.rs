@@ -1,10 +1,33 @@
 //! Histories that are read from the workspace, by the vector that contains them.
 
-use super::{BLOCK, Source};
 use crate::network::mode::Mode;
 use crate::network::plan::{Pair, Plan};
-use crate::network::probe::Probe;
+use crate::network::probe::{Probe, Program};
 use crate::network::rates::Workspace;
+
+/// Source of a history.
+#[derive(Debug, PartialEq)]
+pub(super) enum Source {
+    Probe(Probe),
+    /// Minus a quantity.
+    Negative(Probe),
+    Program(Program),
+}
+
+impl Source {
+    #[inline]
+    pub(super) fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
+        match self {
+            Self::Probe(probe) => probe.value(plan, mode, w),
+            Self::Negative(probe) => -probe.value(plan, mode, w),
+            Self::Program(program) => program.value(plan, mode, w),
+        }
+    }
+}
+
+/// Number of samples of each history collected before they are appended. The histories are far apart in
+/// memory, and each sample would touch as many pages as there are histories.
+pub(super) const BLOCK: usize = 32;
 
 /// Quantities that are copied from the workspace, by the vector that contains them: place of the history, index.
 ///
