@@ -25,8 +25,8 @@ use crate::atomic_write::AtomicWrite;
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::result::DesignId;
-use crate::stages::{Progress, code};
-use crate::store::{Key, Store};
+use crate::stages::Progress;
+use crate::store::Store;
 use crate::study::{Frame, Rejections};
 use crate::wording::hexadecimal;
 
@@ -247,11 +247,11 @@ impl Check<'_> {
         let names = self.names(&tool);
         let mut all = Vec::new();
         for number in 0..runs as u64 {
-            all.push(self.one(&tool, &likelihood, number, folder)?);
+            all.push(self.single_run(&tool, &likelihood, number, folder)?);
             self.progress
                 .note(&format!("check: run {} of {runs} is finished", number + 1));
         }
-        Ok(self.tested(&names, &all))
+        Ok(self.evaluated(&names, &all))
     }
 
     /// Names and kinds of the quantities: columns of the table of a calibration's draws.
@@ -263,22 +263,9 @@ impl Check<'_> {
         inputs.chain(readings).chain(figures).collect()
     }
 
-    fn one(&self, tool: &Tool, likelihood: &Likelihood, number: u64, folder: &Path) -> Result<Run, Error> {
+    fn single_run(&self, tool: &Tool, likelihood: &Likelihood, number: u64, folder: &Path) -> Result<Run, Error> {
         let seed = self.request.seed;
-        let truth = Truth::draw(
-            tool,
-            likelihood,
-            (1 + number, uniform(seed ^ SHARED, number, 0).to_bits()),
-        )?;
-        let error = |k: usize| uniform(seed ^ ERRORS, number, k as u64).clamp(f64::EPSILON, 1.0 - f64::EPSILON);
-        let shares: Vec<f64> = (0..truth.predictions.len()).map(error).collect();
         let mut measured = self.measured.clone();
-        let readings = likelihood.measured(&truth.z, &truth.predictions, &shares);
-        measured
-            .data
-            .iter_mut()
-            .zip(readings)
-            .for_each(|(own, reading)| own.reading = reading);
         // Levels belong to the second stage, which is not checked.
         measured.levels.clear();
         let request = Request {
@@ -288,18 +275,30 @@ impl Check<'_> {
             ..self.request.clone()
         };
         let own = Tool::new(self.design, &measured, request.seed)?;
-        let key = key(self.design, &own, &measured, &request);
-        let digest = Key::clone(&key)
-            .with(&code![calibration, dynamics])
+        // Number and seed determine the truth and its readings.
+        let digest = key(self.design, &own, &measured, &request)
             .with(&self.held_out)
             .with(&request.moves)
-            .with(&truth.z)
+            .with(&seed)
+            .with(&number)
             .digest();
         let digest = hexadecimal(&digest);
         let name = format!("run-{:04}.json", number + 1);
-        if let Some(run) = kept(&folder.join(&name), &digest) {
+        if let Some(run) = finished(&folder.join(&name), &digest) {
             return Ok(run);
         }
+        let truth = Truth::draw(
+            tool,
+            likelihood,
+            (1 + number, uniform(seed ^ SHARED, number, 0).to_bits()),
+        )?;
+        let error = |k: usize| uniform(seed ^ ERRORS, number, k as u64).clamp(f64::EPSILON, 1.0 - f64::EPSILON);
+        let shares: Vec<f64> = (0..truth.predictions.len()).map(error).collect();
+        let readings = likelihood.measured(&truth.z, &truth.predictions, &shares);
+        for (own, reading) in measured.data.iter_mut().zip(readings) {
+            own.reading = reading;
+        }
+        let key = key(self.design, &own, &measured, &request);
         let calibration = Calibration {
             tool: own,
             measured: &measured,
@@ -340,7 +339,7 @@ impl Check<'_> {
         Ok(run)
     }
 
-    fn tested(&self, names: &[(String, CheckedKind)], all: &[Run]) -> CheckResult {
+    fn evaluated(&self, names: &[(String, CheckedKind)], all: &[Run]) -> CheckResult {
         let (sound, flagged): (Vec<&Run>, Vec<&Run>) = all.iter().partition(|own| own.faults.is_empty());
         let (counted, in_conflict): (Vec<&Run>, Vec<&Run>) =
             sound.into_iter().partition(|own| own.conflicts.is_empty());
@@ -361,7 +360,10 @@ impl Check<'_> {
             counted: counted.len(),
             not_converged: flagged.len(),
             in_conflict: in_conflict.len(),
-            within_90: [&counted, &apart].map(|own| within_90(own)),
+            within_90: [&counted, &apart].map(|runs| {
+                let places = runs.iter().flat_map(|own| own.places.iter().copied().flatten());
+                share_within(&places.collect::<Vec<f64>>(), 0.9)
+            }),
             tested: tested.len(),
             least,
             is_uniform: least.map(|least| least >= BY_CHANCE),
@@ -389,7 +391,7 @@ impl Check<'_> {
 }
 
 /// A finished run in a file, if it is the one with this digest.
-fn kept(file: &Path, digest: &str) -> Option<Run> {
+fn finished(file: &Path, digest: &str) -> Option<Run> {
     let run: Run = serde_json::from_slice(&fs::read(file).ok()?).ok()?;
     (run.key == digest).then_some(run)
 }
@@ -402,10 +404,7 @@ fn row(k: usize, (name, kind): &(String, CheckedKind), counted: &[&Run]) -> Chec
         CheckedKind::Reading | CheckedKind::Figure => counted.len(),
     };
     let found = uniformity(&known);
-    let within = |part: f64| {
-        let ends = 0.5 * (1.0 - part)..=0.5 * (1.0 + part);
-        known.iter().filter(|own| ends.contains(*own)).count() as f64 / known.len() as f64
-    };
+    let within = |part: f64| share_within(&known, part).unwrap_or(f64::NAN);
     CheckRow {
         name: name.clone(),
         kind: *kind,
@@ -418,12 +417,9 @@ fn row(k: usize, (name, kind): &(String, CheckedKind), counted: &[&Run]) -> Chec
     }
 }
 
-/// Share of all places within 5 % to 95 %.
-fn within_90(runs: &[&Run]) -> Option<f64> {
-    let places: Vec<f64> = runs
-        .iter()
-        .flat_map(|own| own.places.iter().copied().flatten())
-        .collect();
-    let within = places.iter().filter(|own| (0.05..=0.95).contains(*own)).count();
+/// Share of places within the central interval that has this part of a uniform distribution; none without places.
+fn share_within(places: &[f64], part: f64) -> Option<f64> {
+    let ends = 0.5 * (1.0 - part)..=0.5 * (1.0 + part);
+    let within = places.iter().filter(|own| ends.contains(*own)).count();
     (!places.is_empty()).then(|| within as f64 / places.len() as f64)
 }

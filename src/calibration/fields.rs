@@ -6,6 +6,7 @@ use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, measure};
 use toml::de::DeValue;
 
+use super::measurements::Condition;
 use super::quantities::Spread;
 
 /// Largest number of shots per measurement.
@@ -32,6 +33,15 @@ pub(super) fn tables<'t, 'i>(
         }
     }
     Ok(found)
+}
+
+/// The index of the condition under which a measurement was made.
+pub(super) fn condition_of(table: &Keys<'_, '_>, conditions: &[Condition]) -> Result<usize, KeyError> {
+    const EXAMPLE: &str = "\"96 psig\"";
+    table.required("condition", EXAMPLE)?;
+    let condition = table.text("condition", EXAMPLE)?.unwrap_or_default();
+    let known = conditions.iter().map(|own| own.name.as_str());
+    place(table, "condition", condition, known, "condition")
 }
 
 /// A spread: an amount, a percentage, or both joined by a plus sign.

@@ -11,7 +11,7 @@ use nailnoise_documents::{Document, KeyError, Keys, read_regular};
 use serde::Deserialize;
 use toml::de::DeValue;
 
-use super::fields::place;
+use super::fields::{condition_of, place};
 use super::level_bands::{band, range, within};
 use super::level_quantities::{LevelQuantity, Position};
 use super::level_reader::decibels;
@@ -70,10 +70,7 @@ impl OfFile<'_, '_, '_> {
     pub(super) fn measured(&self, name: &str, notes: &mut Vec<String>) -> Result<Vec<MeasuredLevel>, KeyError> {
         let table = self.table;
         table.only(&MEASURED)?;
-        table.required("condition", "\"96 psig\"")?;
-        let condition = table.text("condition", "\"96 psig\"")?.unwrap_or_default();
-        let known = self.conditions.iter().map(|own| own.name.as_str());
-        let condition = place(table, "condition", condition, known, "condition")?;
+        let condition = condition_of(table, self.conditions)?;
         let test = self.test(&self.conditions[condition])?;
         let bands = self.bands(&self.conditions[condition], &test)?;
         let sources = Role::ALL.map(Role::name);

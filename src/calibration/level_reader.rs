@@ -6,7 +6,7 @@ use nailnoise_quantities::dimension::ACCELERATION;
 use nailnoise_quantities::measure;
 
 use super::fields::{
-    MOST_SHOTS, Repeats, error_by, mean_and_scatter, named, of_given, place, reading, repeated, spread_by,
+    MOST_SHOTS, Repeats, condition_of, error_by, mean_and_scatter, named, of_given, place, reading, repeated, spread_by,
 };
 use super::level_bands::band;
 use super::level_quantities::{LevelQuantity, NAMES, Position, STANDARD_GRAVITY};
@@ -120,10 +120,7 @@ impl OfLevel<'_, '_, '_> {
     pub(super) fn measured(&self, name: &str, notes: &mut Vec<String>) -> Result<MeasuredLevel, KeyError> {
         let table = self.table;
         table.only(&MEASURED)?;
-        table.required("condition", "\"96 psig\"")?;
-        let condition = table.text("condition", "\"96 psig\"")?.unwrap_or_default();
-        let known = self.conditions.iter().map(|own| own.name.as_str());
-        let condition = place(table, "condition", condition, known, "condition")?;
+        let condition = condition_of(table, self.conditions)?;
         let (quantity, given) = self.quantity(&self.conditions[condition])?;
         let repeats = self.repeats(&quantity, given)?;
         let spread = |table: &Keys<'_, '_>, key: &str| match given {

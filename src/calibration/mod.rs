@@ -70,12 +70,12 @@ pub fn calibrate(
     request: &Request,
     progress: &Progress,
 ) -> Result<(CalibrationResult, Files), Error> {
-    let Read {
+    let Inputs {
         file,
         measured,
         held_out,
         held_levels,
-    } = Read::of(design, assignments, measured, request)?;
+    } = Inputs::read(design, assignments, measured, request)?;
     let tool = tool::Tool::new(design, &measured, request.seed)?;
     let key = key::key(design, &tool, &measured, request);
     let calibration = posterior::Calibration {
@@ -148,7 +148,7 @@ pub fn check(
     progress: &Progress,
     before: impl FnOnce(CheckCost),
 ) -> Result<CheckResult, Error> {
-    let read = Read::of(design, assignments, Some(asked.measured), asked.request)?;
+    let read = Inputs::read(design, assignments, Some(asked.measured), asked.request)?;
     let check = check::Check {
         design,
         measured: &read.measured,
@@ -163,7 +163,7 @@ pub fn check(
 }
 
 /// The measurements of a call.
-struct Read {
+struct Inputs {
     /// Name of their file.
     file: String,
     measured: measurements::Measurements,
@@ -172,8 +172,8 @@ struct Read {
     held_levels: Vec<usize>,
 }
 
-impl Read {
-    fn of(
+impl Inputs {
+    fn read(
         design: &Design,
         assignments: &[Assignment],
         measured: Option<&Path>,

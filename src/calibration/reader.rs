@@ -12,7 +12,8 @@ use toml::de::DeValue;
 
 use super::error::CalibrationError;
 use super::fields::{
-    MOST_SHOTS, Repeats, error, mean_and_scatter, named, of_given, place, reading, repeated, spread, tables, words,
+    MOST_SHOTS, Repeats, condition_of, error, mean_and_scatter, named, of_given, place, reading, repeated, spread,
+    tables, words,
 };
 use super::level_file::OfFile;
 use super::level_quantities;
@@ -443,10 +444,7 @@ impl Of<'_, '_, '_> {
             return Err(self.not_built(key));
         }
         table.only(&MEASURED)?;
-        table.required("condition", "\"96 psig\"")?;
-        let condition = table.text("condition", "\"96 psig\"")?.unwrap_or_default();
-        let known = self.conditions.iter().map(|own| own.name.as_str());
-        let condition = place(table, "condition", condition, known, "condition")?;
+        let condition = condition_of(table, self.conditions)?;
         let quantity = self.quantity()?;
         let of_design = self.conditions[condition].design.analysis.cycle_end;
         if let Some(time) = quantity.time().filter(|time| *time > quantity.end(of_design)) {

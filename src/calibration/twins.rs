@@ -132,7 +132,7 @@ fn filled(readings: &[f64]) -> String {
 }
 
 /// A hidden tool that drives the nail and whose exhaust ends within the record, and its readings without errors.
-fn hidden(tool: &Tool, measured: &Measurements, twin: u64) -> (Vec<f64>, Vec<f64>) {
+fn hidden_tool(tool: &Tool, measured: &Measurements, twin: u64) -> (Vec<f64>, Vec<f64>) {
     let likelihood = super::tool::likelihood(tool, measured, &[], &Default::default()).unwrap();
     let truth = Truth::draw(tool, &likelihood, (1 + twin, HIDDEN ^ twin)).unwrap();
     let values = truth.predictions.iter().map(|own| own.value()).collect();
@@ -191,7 +191,7 @@ fn hidden_twins_are_covered() {
         let begin = std::time::Instant::now();
         let measured = measurements(&design, &typical);
         let tool = Tool::new(&design, &measured, HIDDEN).unwrap();
-        let (z, truth) = hidden(&tool, &measured, twin);
+        let (z, truth) = hidden_tool(&tool, &measured, twin);
         let measured = measurements(&design, &filled(&truth));
         let mut read = readings(&tool, &measured, &z, &truth, twin);
         if let Some(name) = &wrong {

@@ -204,7 +204,7 @@ const PERFORMANCE: [&str; 4] = [
     "shots a second at most [Hz]",
 ];
 
-/// Reserve and consumption of the shot of a point; empty if there is no value.
+/// Driving margin, air consumption and rate of a point's shot; an entry without a value is empty.
 fn performance(point: &SweptPoint) -> [String; 4] {
     let own = point.performance;
     let all = [

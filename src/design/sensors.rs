@@ -21,8 +21,8 @@ choice! {
 
 group! {
     /// An accelerometer. It does not change the vibration of its body. It is ignored if the design does not have that
-    /// body. The origin is the centre of the workpiece's underside, x along its length, y along its width, z up; on the
-    /// tool it is the nose's tip, x along the handle, z up.
+    /// body. The origin is the centre of the workpiece's underside, x along its length, y along its width, z up; for
+    /// the tool, the tip of the nose, x along the handle, z up.
     Sensor {
         /// The body it is fixed to.
         body: Carrier = Carrier::KIND, "";

@@ -30,7 +30,7 @@ pub(super) const COLOURS: [[f64; 3]; 11] = [
 ];
 
 /// The colour scale as the stops of a gradient in CSS.
-pub(super) fn css() -> String {
+pub(super) fn css_gradient() -> String {
     let colour = |[r, g, b]: [f64; 3]| format!("rgb({r} {g} {b})");
     COLOURS.map(colour).join(", ")
 }

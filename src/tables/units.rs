@@ -1,7 +1,7 @@
 //! Tables in the units of a reader.
 
 use super::{Cell, Table};
-use crate::units::{Conversion, Units, even_decimals, largest, numbers, renamed, unit_of};
+use crate::units::{Conversion, Units, decimals_of_cells, largest, numbers, renamed, unit_of};
 
 impl Table {
     /// The table in these units. A unit ends the heading of its column, or is in square brackets at the end of the
@@ -54,7 +54,7 @@ fn of_heading<'a>(units: Units, heading: &str, cells: impl Iterator<Item = &'a C
 
 /// Converts cells with one unit, whose numbers have the same decimals where that is possible.
 fn in_column(cells: Vec<&mut Cell>, conversion: Conversion) {
-    let decimals = even_decimals(cells.iter().map(|cell| cell.text.as_str()), conversion);
+    let decimals = decimals_of_cells(cells.iter().map(|cell| cell.text.as_str()), conversion);
     for cell in cells {
         if let Some(shown) = numbers(&cell.text, conversion, decimals) {
             cell.text = shown;

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 pub(crate) use factors::Conversion;
 pub(crate) use heading::{renamed, unit_of};
-pub(crate) use text::{even_decimals, largest, numbers};
+pub(crate) use text::{decimals_of_cells, largest, numbers};
 
 /// Units of the quantities that are shown. Levels in dB, frequencies and times are the same in both.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]

@@ -62,27 +62,38 @@ pub(super) fn converted(text: &str, on_page: bool) -> Cow<'_, str> {
 /// has anything else.
 pub(crate) fn numbers(text: &str, conversion: Conversion, decimals: Option<usize>) -> Option<String> {
     let numbers = list(text)?;
-    let mut shown = String::new();
-    let mut copied = 0;
+    let mut shown = text[..numbers.first()?.start].to_owned();
+    write_numbers(text, &numbers, conversion, decimals, &mut shown);
+    Some(shown)
+}
+
+/// Writes the numbers of a text converted, and the text from the first to the last of them as it is.
+fn write_numbers(
+    text: &str,
+    numbers: &[Range<usize>],
+    conversion: Conversion,
+    decimals: Option<usize>,
+    shown: &mut String,
+) {
+    let mut copied = numbers.first().map_or(0, |first| first.start);
     for own in numbers {
         shown.push_str(&text[copied..own.start]);
         let exact = exact(text, own.start);
         shown.push_str(&number(&text[own.clone()], conversion, exact, decimals));
         copied = own.end;
     }
-    Some(shown)
 }
 
-/// The number of decimals of the numbers of cells that share a unit; see [`even`].
-pub(crate) fn even_decimals<'a>(cells: impl Iterator<Item = &'a str>, conversion: Conversion) -> Option<usize> {
+/// The number of decimals of the numbers of cells that share a unit; see [`common_decimals`].
+pub(crate) fn decimals_of_cells<'a>(cells: impl Iterator<Item = &'a str>, conversion: Conversion) -> Option<usize> {
     let texts = cells.flat_map(|cell| list(cell).unwrap_or_default().into_iter().map(move |own| &cell[own]));
-    even(texts.collect(), conversion)
+    common_decimals(texts.collect(), conversion)
 }
 
 /// The number of decimals at which numbers with one unit are shown alike: that of the largest, or more, so that the
 /// smallest has its digits. `None` if there is no such number: exponents, or sizes that differ too much and do not have
 /// the same decimals in the metric unit.
-fn even(mut texts: Vec<&str>, conversion: Conversion) -> Option<usize> {
+fn common_decimals(mut texts: Vec<&str>, conversion: Conversion) -> Option<usize> {
     if texts.iter().any(|text| text.contains(['e', 'E'])) {
         return None;
     }
@@ -162,17 +173,11 @@ impl Quantities {
     }
 
     fn write(&self, text: &str, on_page: bool, shown: &mut String) {
-        let mut copied = self.numbers[0].start;
-        let decimals = even(
+        let decimals = common_decimals(
             self.numbers.iter().map(|own| &text[own.clone()]).collect(),
             self.conversion,
         );
-        for own in &self.numbers {
-            shown.push_str(&text[copied..own.start]);
-            let exact = exact(text, own.start);
-            shown.push_str(&number(&text[own.clone()], self.conversion, exact, decimals));
-            copied = own.end;
-        }
+        write_numbers(text, &self.numbers, self.conversion, decimals, shown);
         shown.push(' ');
         match on_page {
             true => shown.push_str(&self.conversion.unit.replace('2', "\u{b2}").replace('3', "\u{b3}")),

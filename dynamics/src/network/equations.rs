@@ -78,28 +78,8 @@ impl<'p> Equations<'p> {
         self.calls.set(calls);
     }
 
-    /// y' and y'' at a state, without the explicit dependence on time in y''.
-    pub(crate) fn derivatives(&self, t: f64, y: &[f64]) -> [Vec<f64>; 2] {
-        let mut first = vec![0.0; y.len()];
-        let mut second = vec![0.0; y.len()];
-        let inside = &mut *self.inside.borrow_mut();
-        let Inside {
-            mode,
-            workspace,
-            jacobian,
-        } = inside;
-        self.plan.rates(t, y, mode, workspace, &mut first);
-        self.plan.jacobian(t, y, mode, workspace, jacobian);
-        for (column, rate) in jacobian.values().chunks_exact(y.len()).zip(&first) {
-            for (second, value) in second.iter_mut().zip(column) {
-                *second += value * rate;
-            }
-        }
-        [first, second]
-    }
-
-    /// Estimate of the spectral radius of the Jacobian of the states, by power iteration in units of `scale` \[1/s\].
-    pub(crate) fn spectral_radius(&self, t: f64, y: &[f64], scale: &[f64]) -> f64 {
+    /// Evaluates the Jacobian at a state.
+    pub(crate) fn linearise(&self, t: f64, y: &[f64]) {
         self.count(|calls| calls.jacobians += 1);
         let Inside {
             mode,
@@ -107,13 +87,33 @@ impl<'p> Equations<'p> {
             jacobian,
         } = &mut *self.inside.borrow_mut();
         self.plan.jacobian(t, y, mode, workspace, jacobian);
+    }
+
+    /// y' and y'' at a state, without the explicit dependence on time in y''; evaluates the Jacobian.
+    pub(crate) fn derivatives(&self, t: f64, y: &[f64]) -> [Vec<f64>; 2] {
+        let first = self.rates(t, y);
+        self.linearise(t, y);
+        let mut second = vec![0.0; y.len()];
+        let inside = self.inside.borrow();
+        for (column, rate) in inside.jacobian.values().chunks_exact(y.len()).zip(&first) {
+            for (second, value) in second.iter_mut().zip(column) {
+                *second += value * rate;
+            }
+        }
+        [first, second]
+    }
+
+    /// Estimate of the spectral radius of the states' part of the Jacobian that was evaluated last, by power iteration
+    /// in units of `scale` \[1/s\].
+    pub(crate) fn spectral_radius(&self, scale: &[f64]) -> f64 {
+        let jacobian = &self.inside.borrow().jacobian;
         let states = self.plan.states();
         let scale = &scale[..states];
         let (mut x, mut product) = (vec![1.0; states], vec![0.0; states]);
         let mut growth = 0.0;
         for iteration in 0..SETTLING + AVERAGED {
             product.fill(0.0);
-            let columns = jacobian.values().chunks_exact(y.len()).zip(&x).zip(scale);
+            let columns = jacobian.values().chunks_exact(self.plan.size()).zip(&x).zip(scale);
             for ((column, x), size) in columns {
                 let value = x * size;
                 for (product, entry) in product.iter_mut().zip(column) {

@@ -527,7 +527,8 @@ mod tests {
         let (states, size) = (plan.states(), plan.size());
         let scale = crate::network::tolerances::tolerances(&plan, 1e-7);
         let equations = Equations::new(&plan, mode.clone(), Workspace::new(&plan).past);
-        let estimate = equations.spectral_radius(0.0, &y, &scale);
+        equations.linearise(0.0, &y);
+        let estimate = equations.spectral_radius(&scale);
         let mut jacobian = Jacobian::new(&plan);
         plan.jacobian(0.0, &y, &mode, &mut Workspace::new(&plan), &mut jacobian);
         let entry = |i, j| jacobian.values()[j * size + i] * scale[j] / scale[i];

@@ -19,7 +19,7 @@ const DIRECTIONS: [(&str, &str); 7] = [
 ];
 
 /// Choice of the frequency range and of the mode.
-pub(super) fn choice(views: &[View], bodies: &[ColouredSurface<'_>]) -> Markup {
+pub(super) fn range_and_mode(views: &[View], bodies: &[ColouredSurface<'_>]) -> Markup {
     html! {
         div.choice.in-space {
             label { "Shown " select.view { @for (index, view)
@@ -35,7 +35,7 @@ pub(super) fn choice(views: &[View], bodies: &[ColouredSurface<'_>]) -> Markup {
 }
 
 /// The direction of the view, its size and place, edges, and the distance between the bodies.
-pub(super) fn tools() -> Markup {
+pub(super) fn view_controls() -> Markup {
     let button = |name: &str, label: &str, text: &str| {
         html! {
             button type="button" data-tool=(name) aria-label=(label) title=(label) { (text) }
@@ -49,7 +49,7 @@ pub(super) fn tools() -> Markup {
             } }
             label { "Dragging " select.dragging { option value="turn" { "turns" } option value="move" { "moves" } } }
             span.buttons {
-                (button("closer", "Come closer", "+")) (button("farther", "Go farther", "\u{2212}"))
+                (button("closer", "Zoom in", "+")) (button("farther", "Zoom out", "\u{2212}"))
                 (button("fit", "Fit the shown parts into the view", "Fit"))
                 (button("reset", "First view of all parts", "Reset"))
             }

@@ -4,8 +4,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use super::super::surface::ColouredSurface;
 use super::super::{picture, raster};
-use super::triangles::{Part, Triangles, stack};
+use super::triangles::{Part, Triangles, stacking_levels};
 use super::view::{SHOWN, View};
 
 /// Number of steps of the levels and of the coordinates in the data of the page.
@@ -24,12 +25,13 @@ pub(super) fn data(surfaces: &[Triangles<'_>], views: &[View], modes: &[(usize, 
     };
     let reach = surfaces.iter().map(points).fold(f64::MIN_POSITIVE, f64::max);
     let step = reach / PLACE_STEPS;
-    let stack = stack(surfaces);
+    let stack = stacking_levels(surfaces);
+    let used: Vec<Vec<usize>> = surfaces.iter().map(Triangles::used).collect();
     let bodies: Vec<_> = surfaces
         .iter()
         .enumerate()
         .map(|(body, surface)| {
-            let (painted, used) = (surface.painted, surface.used());
+            let (painted, used) = (surface.painted, &used[body]);
             let places = used.iter().flat_map(|&point| {
                 let at = surface.place(point);
                 [at.x, at.y, at.z].map(|own| (own / step).round() as i16)
@@ -54,7 +56,8 @@ pub(super) fn data(surfaces: &[Triangles<'_>], views: &[View], modes: &[(usize, 
         "step": step, "shown": SHOWN, "bodies": bodies, "colours": raster::COLOURS,
         "axes": raster::view().transpose().as_slice(),
         "views": views.iter().map(|view| view.high).collect::<Vec<_>>(),
-        "modes": modes.iter().map(|(body, mode)| motion(*body, &surfaces[*body], *mode, step)).collect::<Vec<_>>(),
+        "modes": modes.iter().map(|(body, mode)| motion(*body, surfaces[*body].painted, &used[*body], *mode, step))
+            .collect::<Vec<_>>(),
     })
 }
 
@@ -65,10 +68,8 @@ fn part((part, level): (&Part, &usize)) -> Value {
 }
 
 /// Displacement of a body's points in a mode: the largest in steps of the points, and each relative to it.
-fn motion(body: usize, surface: &Triangles<'_>, mode: usize, step: f64) -> Value {
-    let painted = surface.painted;
+fn motion(body: usize, painted: &ColouredSurface<'_>, used: &[usize], mode: usize, step: f64) -> Value {
     let shape = painted.body.skin.column(mode);
-    let used = surface.used();
     let moves: Vec<[f32; 3]> = used
         .iter()
         .map(|&point| [0, 1, 2].map(|axis| shape[3 * point + axis]))

@@ -59,16 +59,16 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
         .replace('<', "\\u003c");
     Some(html! {
         figure.scene {
-            (controls::choice(&views, bodies))
+            (controls::range_and_mode(&views, bodies))
             div.stage { img src=(image) width=(SIZE[0]) height=(SIZE[1]) alt=(alternative); }
             div.scale {
                 span.low { (format!("{:.0}", views[0].high - SHOWN)) }
-                i style={ "background: linear-gradient(to right, " (raster::css()) ")" } {}
+                i style={ "background: linear-gradient(to right, " (raster::css_gradient()) ")" } {}
                 span.high { (format!("{:.0}", views[0].high)) }
                 " " span.unit-of-scale { "dB re 1 pW s/m\u{b2}" }
                 output {}
             }
-            (controls::tools())
+            (controls::view_controls())
             (controls::parts(&surfaces))
             figcaption {
                 "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area at \
@@ -76,7 +76,7 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
                  efficiency 1, whatever the method of the ranking; how much of it leaves as sound is there. Taken over "
                 (ranges(bodies)) "; octaves are cut at these ends. Grey faces are covered and do not radiate. "
                 span.with-script.in-space { "Drag to turn, with Shift or the right button to move; scroll with Ctrl to \
-                    come closer to the place under the pointer; two fingers move and come closer. Click a face for its \
+                    zoom to the place under the pointer; two fingers move and zoom. Click a face for its \
                     level; double-click to show only its part. Keys: arrows turn, with Shift move, plus and minus \
                     change the size, Enter reads the face in the middle, Escape returns to the first view. Modes \
                     move far more than in the shot." }

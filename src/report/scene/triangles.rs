@@ -96,7 +96,7 @@ impl<'a> Triangles<'a> {
 
 /// The level of each part in the stack of bodies that lie on each other, for each body: 0 for the lowest. Parts of one
 /// body have the same level, except a board on its joint.
-pub(super) fn stack(surfaces: &[Triangles<'_>]) -> Vec<Vec<usize>> {
+pub(super) fn stacking_levels(surfaces: &[Triangles<'_>]) -> Vec<Vec<usize>> {
     let lowest = |surface: &Triangles<'_>, on_joint: bool| {
         let own = surface.parts.iter().filter(|part| part.on_joint == on_joint);
         own.map(|part| surface.lowest(part)).fold(f64::INFINITY, f64::min)

@@ -2,6 +2,7 @@
 
 use super::super::surface::level;
 use super::triangles::Triangles;
+
 /// Range of levels shown below the highest \[dB\].
 pub(super) const SHOWN: f64 = 30.0;
 

@@ -8,6 +8,7 @@ mod state;
 mod trajectory;
 
 use stability::Stability;
+use trajectory::Stretch;
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::ode_solver::state::StateCommon;
@@ -268,41 +269,59 @@ impl<'p> Run<'p> {
             self.remember();
         }
         // A window is short enough to be tried in one step by a method that needs no starting procedure.
-        let (first, step, method) = match self.window {
-            Some(end) => (problem.eqn.rates(self.t, &self.y), end - self.t, Method::Esdirk34),
-            None => {
-                let [first, second] = problem.eqn.derivatives(self.t, &self.y);
-                (first, self.first_step(problem, &second), self.numerics.method)
-            }
-        };
-        match method {
-            Method::Esdirk34 => {
-                let solver = problem.esdirk34_solver::<LedgerLu>(self.initial(first, step));
-                self.follow(solver.map_err(|cause| self.failure(&cause))?, None)?;
-            }
-            Method::Bdf => self.implicit(problem, first, step)?,
+        if let Some(end) = self.window {
+            let first = problem.eqn.rates(self.t, &self.y);
+            return self.one_step(problem, first, end - self.t);
+        }
+        let (first, step) = self.start(problem);
+        match self.numerics.method {
+            Method::Esdirk34 => self.one_step(problem, first, step),
+            Method::Bdf => self.multistep(problem, first, step),
             Method::Switching => {
-                let Some(mut stability) = Stability::of_segment(problem, self.t, &self.y, step) else {
-                    return self.implicit(problem, first, step);
+                let Some(stability) = Stability::new(problem, step) else {
+                    return self.multistep(problem, first, step);
                 };
-                let start = self.initial(first, Stability::first_step(step));
-                let solver = problem.tsit45_solver(start).map_err(|cause| self.failure(&cause))?;
-                let mut stiff = |t: f64, y: &[f64], h: f64| stability.is_exceeded(problem, t, y, h);
-                if !self.follow(solver, Some(&mut stiff))? {
-                    let [first, second] = problem.eqn.derivatives(self.t, &self.y);
-                    let step = self.first_step(problem, &second);
-                    self.implicit(problem, first, step)?;
+                if self.explicit(problem, first, step, stability)? {
+                    return Ok(());
                 }
+                let (first, step) = self.start(problem);
+                self.multistep(problem, first, step)
             }
         }
+    }
+
+    /// y' at the present state, and the first step of a first-order method; evaluates the Jacobian.
+    fn start(&self, problem: &Problem<'p>) -> (Vec<f64>, f64) {
+        let [first, second] = problem.eqn.derivatives(self.t, &self.y);
+        let step = self.first_step(problem, &second);
+        (first, step)
+    }
+
+    /// Integrates a segment by an implicit Runge-Kutta method.
+    fn one_step(&mut self, problem: &Problem<'p>, first: Vec<f64>, step: f64) -> Result<(), RunError> {
+        let solver = problem.esdirk34_solver::<LedgerLu>(self.initial(first, step));
+        self.follow(solver.map_err(|cause| self.failure(&cause))?, None)?;
         Ok(())
     }
 
     /// Integrates a segment by backward differentiation formulas.
-    fn implicit(&mut self, problem: &Problem<'p>, first: Vec<f64>, step: f64) -> Result<(), RunError> {
+    fn multistep(&mut self, problem: &Problem<'p>, first: Vec<f64>, step: f64) -> Result<(), RunError> {
         let solver = problem.bdf_solver::<LedgerLu>(self.initial(first, step));
         self.follow(solver.map_err(|cause| self.failure(&cause))?, None)?;
         Ok(())
+    }
+
+    /// Integrates a segment by an explicit Runge-Kutta pair while that is stable; the result is whether it has ended.
+    fn explicit(
+        &mut self,
+        problem: &Problem<'p>,
+        first: Vec<f64>,
+        step: f64,
+        mut stability: Stability,
+    ) -> Result<bool, RunError> {
+        let start = self.initial(first, Stability::first_step(step));
+        let solver = problem.tsit45_solver(start).map_err(|cause| self.failure(&cause))?;
+        self.follow(solver, Some(&mut |t, y, h| stability.is_exceeded(problem, t, y, h)))
     }
 
     /// The present state with its derivative and a first step, for a solver.
@@ -365,12 +384,22 @@ impl<'p> Run<'p> {
                 y.copy_from_slice(scratch.batch_as_slice(0));
                 Ok(())
             };
-            let stretch = self.stretch(from, to, &mut at)?;
+            let Stretch { used, mut event } = self.stretch(from, to, &mut at)?;
             if self.recording {
-                self.note_levels(from, stretch.used, &mut at)?;
+                self.note_levels(from, used, &mut at)?;
             }
-            self.note_changes(from, stretch.used, &mut at)?;
-            let t_end = self.points[stretch.used - 1].0;
+            self.note_changes(from, used, &mut at)?;
+            let mut t_end = self.points[used - 1].0;
+            if self.recording {
+                self.schedule(t_end);
+                if self.window.is_none() && self.end < t_end {
+                    // Samples, peaks and balances of the step end with the record.
+                    t_end = self.end;
+                    event = None;
+                    self.fresh = false;
+                    at(t_end, &mut self.points[used - 1].1)?;
+                }
+            }
             while self.recording && self.recorder.next_time() < t_end {
                 self.fresh = false;
                 let time = self.recorder.next_time();
@@ -379,17 +408,17 @@ impl<'p> Run<'p> {
                 self.follow_peaks();
             }
             self.t = t_end;
-            self.y.copy_from_slice(&self.points[stretch.used - 1].1);
+            self.y.copy_from_slice(&self.points[used - 1].1);
             if self.recording {
                 self.accept()?;
             }
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
             let due = (stopped && stop >= end) || self.signals.is_due(self.t);
-            if let Some(slot) = stretch.event {
+            if let Some(slot) = event {
                 self.cross(slot)?;
             }
-            let ended = stretch.event.is_some() || due || self.is_through();
+            let ended = event.is_some() || due || self.is_through();
             let next = solver.state().h;
             if ended || stiff.as_mut().is_some_and(|stiff| stiff(self.t, &self.y, next)) {
                 let statistics = solver.get_statistics();

@@ -30,9 +30,10 @@ pub(super) struct Stability {
 }
 
 impl Stability {
-    /// The limit at a state; none where the implicit method, whose first step is given, is the better choice.
-    pub(super) fn of_segment(problem: &Problem<'_>, t: f64, y: &[f64], first: f64) -> Option<Self> {
-        let limit = longest(problem, t, y);
+    /// The limit by the Jacobian that was evaluated last; none where the implicit method, whose first step is given, is
+    /// the better choice.
+    pub(super) fn new(problem: &Problem<'_>, first: f64) -> Option<Self> {
+        let limit = longest_stable_step(problem);
         (limit > WORTHWHILE * first).then_some(Self { limit, age: 0 })
     }
 
@@ -45,8 +46,9 @@ impl Stability {
     pub(super) fn is_exceeded(&mut self, problem: &Problem<'_>, t: f64, y: &[f64], step: f64) -> bool {
         self.age += 1;
         if self.age == RENEWAL {
+            problem.eqn.linearise(t, y);
             *self = Self {
-                limit: longest(problem, t, y),
+                limit: longest_stable_step(problem),
                 age: 0,
             };
         }
@@ -54,7 +56,7 @@ impl Stability {
     }
 }
 
-/// Longest stable step at a state \[s\].
-fn longest(problem: &Problem<'_>, t: f64, y: &[f64]) -> f64 {
-    STABLE / problem.eqn.spectral_radius(t, y, problem.atol.batch_as_slice(0))
+/// Longest stable step by the Jacobian that was evaluated last \[s\].
+fn longest_stable_step(problem: &Problem<'_>) -> f64 {
+    STABLE / problem.eqn.spectral_radius(problem.atol.batch_as_slice(0))
 }

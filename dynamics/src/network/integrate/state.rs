@@ -17,7 +17,7 @@ const VANISHED: f64 = 1e-3;
 const SPRING_SLACK: f64 = 1e-9;
 
 impl Run<'_> {
-    /// Updates what depends on an accepted state: balances, peaks, limits of the model, the end of the record.
+    /// Updates what depends on an accepted state: balances, peaks, limits of the model.
     pub(super) fn accept(&mut self) -> Result<(), RunError> {
         if !self.fresh {
             self.plan.instant(&self.y, &self.mode, &mut self.w);
@@ -25,9 +25,11 @@ impl Run<'_> {
         self.remember();
         self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
         self.guard()?;
-        self.plan.contact_forces(&self.mode, &mut self.w);
-        self.follow_peaks();
-        self.schedule();
+        // At an event that the record must not pass, a contact may already be closed.
+        if !(self.cut && self.t >= self.end) {
+            self.plan.contact_forces(&self.mode, &mut self.w);
+            self.follow_peaks();
+        }
         Ok(())
     }
 
@@ -82,25 +84,25 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Sets the end of the record from the events so far.
-    pub(super) fn schedule(&mut self) {
+    /// Sets the end of the record from the events up to `now`, but not before the current step.
+    pub(super) fn schedule(&mut self, now: f64) {
         let plan = self.plan;
         let Some(finish) = &plan.assembly.finish else { return };
         if self.events.take_changed() {
             if let Some(last) = finish.never_past
-                && let Some(time) = self.events.time_of(plan, last, self.t)
+                && let Some(time) = self.events.time_of(plan, last, now)
             {
-                self.end = self.end.min(time);
+                self.end = self.end.min(time.max(self.t));
                 self.cut = true;
             }
             let after = plan.assembly.events.get(finish.event).and_then(|event| event.after);
             self.finish_after = match after {
-                Some(after) => self.events.time_of(plan, after, self.t),
+                Some(after) => self.events.time_of(plan, after, now),
                 None => Some(0.0),
             };
         }
         if self.finish_after.is_some()
-            && let Some(time) = self.events.time_of(plan, finish.event, self.t)
+            && let Some(time) = self.events.time_of(plan, finish.event, now)
         {
             self.end = self.end.min((time + finish.tail).max(self.t));
         }

@@ -46,8 +46,8 @@
       own.target = own.target.map((value, axis) => value - x * half[0] * rows[0][axis] - y * half[1] * rows[1][axis]);
       own.fitted = false;
     };
-    // Comes closer; the place at (x, y), from -1 to 1 to the right and up, stays where it is.
-    own.closer = (factor, x, y, width, height) => {
+    // Magnifies the view; the place at (x, y), from -1 to 1 to the right and up, stays where it is.
+    own.zoomBy = (factor, x, y, width, height) => {
       const before = own.half(width, height);
       own.zoom = Math.max(SMALLEST, Math.min(LARGEST, own.zoom * factor));
       const after = own.half(width, height), rows = own.axes();

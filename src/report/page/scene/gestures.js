@@ -2,7 +2,7 @@
 (() => {
   const TAP = 6; // pixels that a pointer may move during a click
 
-  // Calls `act` with what a gesture asks for: turn(azimuth, elevation), move(x, y), closer(factor, x, y), read(x, y),
+  // Calls `act` with what a gesture asks for: turn(azimuth, elevation), move(x, y), zoom(factor, x, y), read(x, y),
   // hover(x, y), only(x, y), reset(). Places are from -1 to 1 to the right and up; moves in halves of the canvas.
   window.nailnoise.gestures = (canvas, act, moves) => {
     const place = (x, y) => {
@@ -40,7 +40,7 @@
       const after = middle(), [dx, dy] = [after.at[0] - before.at[0], after.at[1] - before.at[1]];
       if (down.size > 1) {
         act.move(...by(dx, dy));
-        if (before.spread > 0) act.closer(after.spread / before.spread, ...place(...after.at));
+        if (before.spread > 0) act.zoom(after.spread / before.spread, ...place(...after.at));
       } else if (moves() || event.shiftKey || event.buttons & 6) {
         act.move(...by(dx, dy));
       } else {
@@ -54,12 +54,12 @@
     canvas.addEventListener("wheel", (event) => {
       if (!event.ctrlKey) return; // the page scrolls
       event.preventDefault();
-      act.closer(Math.exp(-0.003 * event.deltaY), ...place(event.clientX, event.clientY));
+      act.zoom(Math.exp(-0.003 * event.deltaY), ...place(event.clientX, event.clientY));
     }, { passive: false });
     canvas.addEventListener("dblclick", (event) => act.only(...place(event.clientX, event.clientY)));
     canvas.addEventListener("keydown", (event) => {
       const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-      const keys = { "+": () => act.closer(1.25, 0, 0), "-": () => act.closer(0.8, 0, 0),
+      const keys = { "+": () => act.zoom(1.25, 0, 0), "-": () => act.zoom(0.8, 0, 0),
         Enter: () => act.read(0, 0), Escape: act.reset };
       if (event.ctrlKey || event.metaKey || event.altKey || (!arrow && !keys[event.key])) return;
       event.preventDefault();

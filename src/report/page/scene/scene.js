@@ -155,7 +155,7 @@
   const act = {
     turn(azimuth, elevation) { camera.turn(azimuth, elevation); direction.value = ""; later(); },
     move(x, y) { camera.move(x, y, ...size()); later(); },
-    closer(factor, x, y) { camera.closer(factor, x, y, ...size()); later(); },
+    zoom(factor, x, y) { camera.zoomBy(factor, x, y, ...size()); later(); },
     read(x, y) { output.textContent = read(x, y) || "no face here"; },
     hover(x, y) { output.textContent = read(x, y); },
     only(x, y) { const found = at(x, y);
@@ -167,7 +167,7 @@
   dragging.addEventListener("change", () => stage.classList.toggle("moves", dragging.value === "move"));
   direction.addEventListener("change", () => { camera.look(direction.value); fit(); later(); });
   const tools = {
-    closer: () => act.closer(1.25, 0, 0), farther: () => act.closer(0.8, 0, 0), fit: () => { fit(); later(); },
+    closer: () => act.zoom(1.25, 0, 0), farther: () => act.zoom(0.8, 0, 0), fit: () => { fit(); later(); },
     reset: () => { apart.value = 0; bound(); all(); reset(); },
   };
   figure.querySelectorAll("[data-tool]").forEach((button) =>
