@@ -10,6 +10,8 @@ pub mod sampler;
 pub mod statistics;
 mod subspace;
 
+use std::borrow::Cow;
+
 use likelihood::Prediction;
 
 /// A simulation whose inputs are conditioned on readings.
@@ -25,7 +27,7 @@ pub trait Simulator: Sync {
     ///
     /// # Errors
     /// The name of the outcome if it differs from the observed one, or the reason why the point cannot be simulated.
-    fn predict(&self, z: &[f64], condition: usize) -> Result<Vec<Prediction>, &'static str>;
+    fn predict(&self, z: &[f64], condition: usize) -> Result<Vec<Prediction>, Cow<'static, str>>;
 
     /// Whether each variable is constrained by a rule. The sampler updates these variables only with prior-reversible
     /// moves.

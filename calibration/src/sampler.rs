@@ -19,6 +19,7 @@
 //! All random numbers are functions of seed, step, move and particle, so results depend neither on threads nor on
 //! interruptions between moves.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 
 use nalgebra::{DMatrix, DVector};
@@ -218,7 +219,7 @@ struct Moved {
     /// Predictions of a proposal, if it was simulated completely.
     complete: Option<(Vec<f64>, Vec<f64>)>,
     simulations: u64,
-    refusal: Option<&'static str>,
+    refusal: Option<Cow<'static, str>>,
 }
 
 /// Data shared by all proposals of a move for the particles of one half.
@@ -385,8 +386,8 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             state.likelihoods += u64::from(own.simulations > 0);
             state.simulations += own.simulations;
             complete.extend(own.complete);
-            if let (Some(name), true) = (own.refusal, state.temperature >= 1.0) {
-                *state.refusals.entry(name.to_owned()).or_default() += 1;
+            if let (Some(name), true) = (&own.refusal, state.temperature >= 1.0) {
+                *state.refusals.entry(name.clone().into_owned()).or_default() += 1;
             }
             if let Some(new) = own.accepted {
                 accepted += 1;

@@ -19,7 +19,7 @@ use super::key::key;
 use super::measurements::Measurements;
 use super::posterior::{Calibration, Request, Treatment, Work};
 use super::random::standard_normal;
-use super::result::{figure_names, figures_of, result};
+use super::result::result;
 use super::tool::{Tool, likelihood};
 use crate::atomic_write::AtomicWrite;
 use crate::design::{Design, Values};
@@ -259,7 +259,7 @@ impl Check<'_> {
         let inputs = (0..tool.variables()).map(|k| (tool.name(k).to_owned(), CheckedKind::Input));
         let readings = self.measured.data.iter();
         let readings = readings.map(|own| (own.name.clone(), CheckedKind::Reading));
-        let figures = figure_names().map(|name| (name.to_owned(), CheckedKind::Figure));
+        let figures = tool.figures.iter().map(|own| (own.name.clone(), CheckedKind::Figure));
         inputs.chain(readings).chain(figures).collect()
     }
 
@@ -309,7 +309,9 @@ impl Check<'_> {
         };
         let posterior = calibration.posterior(self.held_out.clone())?;
         let (found, table) = result(&posterior, self.design, &measured, &request, &self.file);
-        let figures = figures_of(&posterior.tool, self.design, std::iter::once(truth.z.as_slice()));
+        let figures = posterior
+            .tool
+            .figures_at(self.design, std::iter::once(truth.z.as_slice()));
         let values = (0..posterior.tool.variables()).map(|k| posterior.tool.value(k, &truth.z));
         let values = values.chain(truth.predictions.iter().map(|own| own.value()));
         let values: Vec<f64> = values.chain(figures.into_iter().flatten()).collect();

@@ -50,7 +50,7 @@ pub(super) struct Condition {
     /// Settings that were read from an instrument.
     pub(super) shown: Vec<Shown>,
     /// Outcomes that a shot may have had; empty if none was noted.
-    pub(super) outcomes: Vec<&'static str>,
+    pub(super) outcomes: Vec<String>,
 }
 
 /// A setting read from an instrument: the true value differs by the instrument's error.

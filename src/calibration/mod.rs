@@ -3,9 +3,11 @@
 //! The crate `nailnoise-calibration` does the sampling; this module contains the measurement file, the quantities of
 //! the cycle, the tool as a simulator, the levels that weight its draws, and the result with its files.
 
+mod assembly_quantities;
 mod check;
 mod error;
 mod fields;
+mod figures;
 mod files;
 mod joint;
 mod key;
@@ -20,9 +22,11 @@ mod measurements;
 mod next;
 mod posterior;
 mod quantities;
+mod quantity_reader;
 mod random;
 mod reader;
 mod result;
+mod shot;
 mod shown;
 mod start;
 mod structures;
@@ -184,7 +188,12 @@ impl Inputs {
             return Err(CalibrationError::Calibrated { measured }.into());
         }
         let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
-        let reader = reader::Reader { design, with: &with };
+        let assembly = shot::assembly_of(design)?;
+        let reader = reader::Reader {
+            design,
+            assembly: assembly.as_ref(),
+            with: &with,
+        };
         let file = measured.map_or_else(|| NO_MEASUREMENTS.to_owned(), |path| path.display().to_string());
         let measured = match measured {
             Some(path) => reader.read(&reader::text(path)?)?,

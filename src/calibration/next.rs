@@ -1,19 +1,22 @@
 //! What to measure next: the gain of usual measurements in the interval of the total and in the order of the sources,
 //! from the draws at hand and their levels.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nailnoise_calibration::likelihood::ErrorLaw;
 use nailnoise_calibration::next::{Further, Outputs, gain};
 use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::{Assembly, AssemblyText};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::assembly_quantities::{self, AssemblyQuantity};
 use super::level_quantities::{LevelQuantity, Position};
 use super::quantities::{Chamber, Moment, Quantity, Spread};
-use super::tool::{Tool, shot};
+use super::shot::{Shot, assembly_of};
+use super::tool::Tool;
 use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -32,8 +35,9 @@ const PSI: f64 = 6_894.757_293_168_361;
 const SHOTS: f64 = 5.0;
 
 /// A usual measurement: its name, quantity, error of one reading and minutes.
+#[derive(Clone)]
 struct Usual {
-    name: &'static str,
+    name: Cow<'static, str>,
     quantity: Quantity,
     error: Spread,
     minutes: f64,
@@ -51,62 +55,106 @@ const fn amount(amount: f64) -> Spread {
 }
 
 /// Usual measurements of a shot at the design's pressure. Depths are measured at the other pressures, too.
-const USUAL: [Usual; 9] = [
+static USUAL: [Usual; 9] = [
     Usual {
-        name: "head depth",
+        name: Cow::Borrowed("head depth"),
         quantity: Quantity::HeadDepth,
         error: amount(0.2e-3),
         minutes: 10.0,
     },
     Usual {
-        name: "air per shot",
+        name: Cow::Borrowed("air per shot"),
         quantity: Quantity::AirPerShot,
         error: percent(4.0),
         minutes: 15.0,
     },
     Usual {
-        name: "trigger to valve opening",
+        name: Cow::Borrowed("trigger to valve opening"),
         quantity: Quantity::Interval { from: 0, to: 6 },
         error: amount(0.2e-3),
         minutes: 15.0,
     },
     Usual {
-        name: "drive time",
+        name: Cow::Borrowed("drive time"),
         quantity: Quantity::Interval { from: 6, to: 9 },
         error: amount(0.1e-3),
         minutes: 30.0,
     },
     Usual {
-        name: "valve opening to exhaust",
+        name: Cow::Borrowed("valve opening to exhaust"),
         quantity: Quantity::Interval { from: 6, to: 14 },
         error: amount(0.2e-3),
         minutes: 15.0,
     },
     Usual {
-        name: "mean drive speed",
+        name: Cow::Borrowed("mean drive speed"),
         quantity: Quantity::MeanDriveSpeed,
         error: percent(2.0),
         minutes: 240.0,
     },
     Usual {
-        name: "peak pressure above the piston",
+        name: Cow::Borrowed("peak pressure above the piston"),
         quantity: Quantity::PeakPressure(Chamber::AbovePiston),
         error: percent(2.0),
         minutes: 180.0,
     },
     Usual {
-        name: "peak pressure of the return volume",
+        name: Cow::Borrowed("peak pressure of the return volume"),
         quantity: Quantity::PeakPressure(Chamber::Return),
         error: percent(2.0),
         minutes: 180.0,
     },
     Usual {
-        name: "pressure above the piston at full depth",
+        name: Cow::Borrowed("pressure above the piston at full depth"),
         quantity: Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9)),
         error: percent(2.0),
         minutes: 180.0,
     },
 ];
+
+impl Usual {
+    /// Whether it is the depth of a fastener, which is measured at other pressures, too.
+    fn is_depth(&self) -> bool {
+        match &self.quantity {
+            Quantity::HeadDepth => true,
+            Quantity::OfAssembly(AssemblyQuantity::Figure(own)) => own.unit == "m",
+            _ => false,
+        }
+    }
+}
+
+/// The usual measurements of an assembly, with the errors and minutes of those of the tool of the keys: depths and
+/// speeds of fasteners, air, and the peak pressure of each volume.
+fn of_assembly(assembly: &Assembly) -> Vec<Usual> {
+    let figures = assembly_quantities::figures(assembly).into_iter().filter_map(|own| {
+        let (error, minutes) = match own.unit {
+            "m" => (amount(0.2e-3), 10.0),
+            "m/s" => (percent(2.0), 240.0),
+            _ => return None,
+        };
+        Some(Usual {
+            name: own.name.replace('_', " ").into(),
+            quantity: Quantity::OfAssembly(AssemblyQuantity::Figure(own)),
+            error,
+            minutes,
+        })
+    });
+    let air = assembly_quantities::air_per_shot(assembly).map(|own| Usual {
+        name: "air per shot".into(),
+        quantity: Quantity::OfAssembly(own),
+        error: percent(4.0),
+        minutes: 15.0,
+    });
+    let pressures = assembly.volumes.iter().map(|own| Usual {
+        name: format!("peak pressure of {}", own.name).into(),
+        quantity: Quantity::OfAssembly(AssemblyQuantity::PeakPressure {
+            volume: own.name.clone(),
+        }),
+        error: percent(2.0),
+        minutes: 180.0,
+    });
+    figures.chain(air).chain(pressures).collect()
+}
 
 /// Minutes to measure a key on the tool itself, which is taken apart for it; errors of a length, and of anything else.
 const DIRECT_MINUTES: f64 = 60.0;
@@ -126,7 +174,7 @@ const LEVEL_EFFORT: &str = "level";
 
 /// Names of further measurements whose minutes a file may state.
 pub(super) fn efforts() -> impl Iterator<Item = &'static str> {
-    let mut names: Vec<&str> = USUAL.iter().map(|own| own.quantity.name()).collect();
+    let mut names: Vec<&'static str> = USUAL.iter().map(|own| own.quantity.name()).collect();
     names.dedup();
     names.into_iter().chain([DIRECT_EFFORT, LEVEL_EFFORT])
 }
@@ -136,6 +184,9 @@ const KEYS_OF_STUDY: usize = 6;
 
 /// Tables of keys that a part of the tool states.
 const PARTS: [&str; 6] = ["piston.", "head_valve.", "chambers.", "exhaust.", "body.", "tool."];
+
+/// Table of an assembly's numbers.
+const OF_ASSEMBLY: &str = "cycle.";
 
 /// Units of keys that callipers, scales or a fill of water measure.
 const MEASURABLE: [&str; 4] = ["m", "kg", "m2", "m3"];
@@ -214,17 +265,17 @@ impl Levelled<'_> {
         found.extend(sound.row(outputs, seed));
         progress.stage("shots that could be measured");
         let ambient = self.design.ambient.pressure;
+        let usual = self.usual()?;
         for share in PRESSURES {
             let gauge = share * (self.design.supply.pressure - ambient);
             let shots = self.shots(ambient + gauge, &rows);
             let condition = format!("{:.0} psig", gauge / PSI);
-            for usual in USUAL {
-                let is_depth = usual.quantity == Quantity::HeadDepth;
-                if share != 1.0 && !is_depth {
+            for usual in &usual {
+                if share != 1.0 && !usual.is_depth() {
                     continue;
                 }
                 let end = self.design.analysis.cycle_end;
-                let predict = |shot: &Option<CycleRecord>| {
+                let predict = |shot: &Option<Shot>| {
                     let predicted = shot
                         .as_ref()
                         .map(|own| usual.quantity.predict(own, &self.design.ambient, end));
@@ -238,7 +289,7 @@ impl Levelled<'_> {
                     usual.quantity.discrepancy(middle),
                 ];
                 let candidate = Candidate {
-                    name: usual.name.to_owned(),
+                    name: usual.name.clone().into_owned(),
                     condition: condition.clone(),
                     unit: usual.quantity.dimension().unit(),
                     minutes: minutes(usual.quantity.name(), usual.minutes),
@@ -252,7 +303,7 @@ impl Levelled<'_> {
             let name = self.tool.name(variable);
             let unit = self.tool.sampler.variables()[variable].unit();
             let predictions = rows.iter().map(|&row| self.joint.rows[row][variable]).collect();
-            let candidate = of_part(name, unit, predictions).map(|own| Candidate {
+            let candidate = of_part(self.design, name, unit, predictions).map(|own| Candidate {
                 minutes: minutes(DIRECT_EFFORT, DIRECT_MINUTES),
                 ..own
             });
@@ -262,12 +313,20 @@ impl Levelled<'_> {
         Ok(found)
     }
 
+    /// The usual measurements of the tool.
+    fn usual(&self) -> Result<Vec<Usual>, Error> {
+        Ok(match assembly_of(self.design)? {
+            Some(assembly) => of_assembly(&assembly),
+            None => USUAL.to_vec(),
+        })
+    }
+
     /// Shots of rows at a pressure of the supply \[Pa\].
-    fn shots(&self, pressure: f64, rows: &[usize]) -> Vec<Option<CycleRecord>> {
+    fn shots(&self, pressure: f64, rows: &[usize]) -> Vec<Option<Shot>> {
         let of = |&row: &usize| {
             let mut own = self.tool.design(self.design, self.points[row])?;
             own.set(&[("supply.pressure", Value::Number(pressure))]).ok()?;
-            shot(&own, own.analysis.cycle_end).ok()
+            Shot::of(&own, own.analysis.cycle_end).ok()
         };
         rows.par_iter().map(of).collect()
     }
@@ -298,7 +357,7 @@ pub fn next_of_study(store: &Store, design: &Design) -> Result<Vec<NextRow>, Err
         .keys
         .iter()
         .filter_map(|own| {
-            let candidate = of_part(&own.name, &own.unit, own.values.clone())?;
+            let candidate = of_part(design, &own.name, &own.unit, own.values.clone())?;
             Some((rank_correlation(&own.values, &draws.total).abs(), candidate))
         })
         .collect();
@@ -329,9 +388,12 @@ fn level(total: &[f64]) -> Candidate {
     }
 }
 
-/// A key of a part of the tool; none if it cannot be measured on the part.
-fn of_part(name: &str, unit: &str, predictions: Vec<f64>) -> Option<Candidate> {
-    if !PARTS.iter().any(|part| name.starts_with(part)) || !MEASURABLE.contains(&unit) {
+/// A key of a part of a design's tool; none if it cannot be measured on the part. The numbers and keys of an assembly
+/// are of parts.
+fn of_part(design: &Design, name: &str, unit: &str, predictions: Vec<f64>) -> Option<Candidate> {
+    let is_own = |own: &AssemblyText| name.starts_with(OF_ASSEMBLY) || own.declared().contains_key(name);
+    let is_part = PARTS.iter().any(|part| name.starts_with(part)) || design.assembly().is_some_and(is_own);
+    if !is_part || !MEASURABLE.contains(&unit) {
         return None;
     }
     let scale = match unit {

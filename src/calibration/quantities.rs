@@ -5,6 +5,9 @@ use nailnoise_dynamics::{Ambient, CycleRecord, Volume};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{LENGTH, PRESSURE, TIME, VELOCITY, VOLUME};
 
+use super::assembly_quantities::AssemblyQuantity;
+use super::shot::Shot;
+
 /// Events whose times a user can state: t0 to t18.
 const EVENTS: usize = 19;
 
@@ -67,7 +70,7 @@ pub(super) fn event(name: &str) -> Option<usize> {
 }
 
 /// A quantity that was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Quantity {
     /// Depth of the nail's head below the surface \[m\].
     HeadDepth,
@@ -87,9 +90,11 @@ pub(super) enum Quantity {
     PeakPressure(Chamber),
     /// Drop of the supply pressure below its initial value \[Pa\].
     SupplyDrop,
+    /// A quantity of a design's own assembly.
+    OfAssembly(AssemblyQuantity),
 }
 
-/// Names of the quantities of the cycle.
+/// Names of the quantities of the cycle of the tool of the keys.
 pub(super) const NAMES: [&str; 9] = [
     "head_depth",
     "air_per_shot",
@@ -120,19 +125,22 @@ impl Spread {
 }
 
 /// Groups of predictions with a common model error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Family {
     HeadDepths,
     Pressures(Chamber),
+    /// A group of quantities of an assembly, by its name.
+    OfAssembly(String),
 }
 
 impl Family {
     /// Name of the shared error.
-    pub(super) fn name(self) -> String {
+    pub(super) fn name(&self) -> String {
         match self {
+            Self::OfAssembly(name) => format!("discrepancy.{name}"),
             Self::HeadDepths => "discrepancy.head_depth".to_owned(),
             Self::Pressures(chamber) => {
-                let name = Chamber::NAMES.iter().find(|(_, own)| *own == chamber);
+                let name = Chamber::NAMES.iter().find(|(_, own)| own == chamber);
                 format!("discrepancy.pressure.{}", name.map_or("", |(name, _)| name))
             }
         }
@@ -141,8 +149,9 @@ impl Family {
 
 impl Quantity {
     /// Its name in the file.
-    pub(super) fn name(self) -> &'static str {
+    pub(super) fn name(&self) -> &str {
         match self {
+            Self::OfAssembly(own) => own.name(),
             Self::HeadDepth => NAMES[0],
             Self::AirPerShot => NAMES[1],
             Self::Interval { .. } => NAMES[2],
@@ -156,8 +165,9 @@ impl Quantity {
     }
 
     /// Its dimension.
-    pub(super) fn dimension(self) -> Dimension {
+    pub(super) fn dimension(&self) -> Dimension {
         match self {
+            Self::OfAssembly(own) => own.dimension(),
             Self::HeadDepth | Self::PistonTravel(_) => LENGTH,
             Self::AirPerShot => VOLUME,
             Self::Interval { .. } => TIME,
@@ -167,21 +177,36 @@ impl Quantity {
     }
 
     /// Whether it is never below 0.
-    pub(super) fn is_positive(self) -> bool {
-        !matches!(self, Self::HeadDepth | Self::PistonTravel(_))
+    pub(super) fn is_positive(&self) -> bool {
+        match self {
+            Self::OfAssembly(own) => own.is_positive(),
+            _ => !matches!(self, Self::HeadDepth | Self::PistonTravel(_)),
+        }
     }
 
     /// The time from the trigger pull at which it is read, if it is not read at an event \[s\].
-    pub(super) fn time(self) -> Option<f64> {
+    pub(super) fn time(&self) -> Option<f64> {
         match self {
-            Self::PistonTravel(Moment::Time(time)) | Self::Pressure(_, Moment::Time(time)) => Some(time),
+            Self::OfAssembly(own) => own.time(),
+            Self::PistonTravel(Moment::Time(time)) | Self::Pressure(_, Moment::Time(time)) => Some(*time),
             _ => None,
         }
     }
 
     /// Whether a gauge pressure is converted to an absolute one.
-    pub(super) fn is_absolute_pressure(self) -> bool {
-        matches!(self, Self::Pressure(..) | Self::PeakPressure(_))
+    pub(super) fn is_absolute_pressure(&self) -> bool {
+        match self {
+            Self::OfAssembly(own) => own.volume().is_some(),
+            _ => matches!(self, Self::Pressure(..) | Self::PeakPressure(_)),
+        }
+    }
+
+    /// Whether it is the air of a shot.
+    pub(super) fn is_air(&self) -> bool {
+        matches!(
+            self,
+            Self::AirPerShot | Self::OfAssembly(AssemblyQuantity::AirPerShot { .. })
+        )
     }
 
     /// Standard deviation of the model's error at a measured value.
@@ -189,13 +214,14 @@ impl Quantity {
     /// From published comparisons of the model: times differ by 2.6 % rms except for the drive; mean speed by 14 % with
     /// the law's own range as an input; pressures above the piston by 7.5 % rms. The values for depth, speed before
     /// impact and travel are estimates.
-    pub(super) fn discrepancy(self, value: f64) -> f64 {
+    pub(super) fn discrepancy(&self, value: f64) -> f64 {
         let spread = |share: f64, amount: f64| Spread { share, amount }.at(value);
         match self {
+            Self::OfAssembly(own) => own.discrepancy().at(value),
             Self::HeadDepth | Self::PistonTravel(_) => spread(0.05, 1e-3),
             Self::AirPerShot => spread(0.04, 0.0),
             Self::MeanDriveSpeed | Self::SpeedBeforeImpact => spread(0.05, 0.0),
-            Self::Interval { from, to } if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(event)) => {
+            Self::Interval { from, to } if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(*event)) => {
                 spread(0.1, 0.0).max(2e-3)
             }
             Self::Interval { to: DRIVEN, .. } => spread(0.05, 0.0),
@@ -206,8 +232,9 @@ impl Quantity {
     }
 
     /// Standard deviation between repeated shots at a measured value, if the file does not state it.
-    pub(super) fn scatter(self, value: f64) -> f64 {
+    pub(super) fn scatter(&self, value: f64) -> f64 {
         match self {
+            Self::OfAssembly(own) => own.scatter().at(value),
             Self::HeadDepth => 1.5e-3,
             Self::AirPerShot | Self::Pressure(..) | Self::PeakPressure(_) => 0.01 * value.abs(),
             _ => 0.03 * value.abs(),
@@ -215,21 +242,24 @@ impl Quantity {
     }
 
     /// The group of predictions with which it shares part of its model error.
-    pub(super) fn family(self) -> Option<Family> {
+    pub(super) fn family(&self) -> Option<Family> {
         match self {
+            Self::OfAssembly(own) => own.family().map(Family::OfAssembly),
             Self::HeadDepth => Some(Family::HeadDepths),
-            Self::Pressure(chamber, _) | Self::PeakPressure(chamber) => Some(Family::Pressures(chamber)),
+            Self::Pressure(chamber, _) | Self::PeakPressure(chamber) => Some(Family::Pressures(*chamber)),
             _ => None,
         }
     }
 
     /// Length of the record needed to read it, given that of the design \[s\].
-    pub(super) fn end(self, of_design: f64) -> f64 {
+    pub(super) fn end(&self, of_design: f64) -> f64 {
         let last = match self {
+            // The record of an assembly ends as its file states.
+            Self::OfAssembly(_) => return of_design,
             Self::HeadDepth | Self::MeanDriveSpeed | Self::SpeedBeforeImpact => DRIVEN,
             Self::Interval { to: event, .. }
             | Self::PistonTravel(Moment::Event(event))
-            | Self::Pressure(_, Moment::Event(event)) => event,
+            | Self::Pressure(_, Moment::Event(event)) => *event,
             Self::AirPerShot => EVENTS,
             Self::PistonTravel(Moment::Time(_))
             | Self::Pressure(_, Moment::Time(_))
@@ -244,21 +274,33 @@ impl Quantity {
     }
 
     /// Whether its prediction depends on the operator's hand and trigger.
-    pub(super) fn depends_on_the_hand(self) -> bool {
+    pub(super) fn depends_on_the_hand(&self) -> bool {
         matches!(self, Self::Interval { from, to }
-            if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(event)))
+            if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(*event)))
     }
 
-    /// Its value in a shot recorded until `end` \[s\].
-    pub(super) fn predict(self, record: &CycleRecord, ambient: &Ambient, end: f64) -> Prediction {
+    /// Its value in a shot, which for the tool of the keys is recorded until `end` \[s\].
+    pub(super) fn predict(&self, shot: &Shot, ambient: &Ambient, end: f64) -> Prediction {
+        match (self, shot) {
+            (Self::OfAssembly(own), Shot::Assembly(record)) => own.predict(record, ambient),
+            (own, Shot::Keys(record)) => own.predict_of_keys(record, ambient, end),
+            _ => Prediction::Missing,
+        }
+    }
+
+    fn predict_of_keys(&self, record: &CycleRecord, ambient: &Ambient, end: f64) -> Prediction {
         let known = |value: Option<f64>| value.map_or(Prediction::Missing, Prediction::Value);
         let events = record.events.to_array();
         let at = |moment: Moment| match moment {
             Moment::Time(time) => Some(time),
             Moment::Event(event) => events[event],
         };
-        let sampled = |values: &[f64], moment: Moment| known(at(moment).and_then(|time| sample(record, values, time)));
-        match self {
+        let sampled = |values: &[f64], moment: Moment| {
+            let at = at(moment);
+            known(at.and_then(|time| interpolated(values, record.sample_interval, time)))
+        };
+        match *self {
+            Self::OfAssembly(_) => Prediction::Missing,
             Self::HeadDepth => Prediction::Value(record.summary.head_depth),
             Self::MeanDriveSpeed => known(record.summary.mean_drive_speed),
             Self::SpeedBeforeImpact => known(record.summary.speed_before_impact),
@@ -287,9 +329,9 @@ impl Quantity {
     }
 }
 
-/// A history at a given time, interpolated linearly; none outside the record.
-fn sample(record: &CycleRecord, values: &[f64], time: f64) -> Option<f64> {
-    let place = time / record.sample_interval;
+/// A history with a sampling interval at a given time, interpolated linearly; none outside the record.
+pub(super) fn interpolated(values: &[f64], interval: f64, time: f64) -> Option<f64> {
+    let place = time / interval;
     let index = place.floor().max(0.0) as usize;
     let (low, high) = (values.get(index)?, values.get(index + 1).or(values.get(index))?);
     Some(low + (high - low) * (place - index as f64))
@@ -312,7 +354,7 @@ mod tests {
     #[test]
     fn quantities_are_those_of_the_record() {
         let (record, ambient, end) = shot();
-        let of = |quantity: Quantity| quantity.predict(&record, &ambient, end);
+        let of = |quantity: Quantity| quantity.predict_of_keys(&record, &ambient, end);
         assert_eq!(of(Quantity::HeadDepth), Prediction::Value(record.summary.head_depth));
         let (t6, t9) = (record.events.t6.unwrap(), record.events.t9.unwrap());
         assert_eq!(of(Quantity::Interval { from: 6, to: 9 }), Prediction::Value(t9 - t6));
@@ -332,7 +374,7 @@ mod tests {
         let (mut record, ambient, end) = shot();
         record.events.t13 = None;
         record.events.t9 = None;
-        let of = |quantity: Quantity| quantity.predict(&record, &ambient, end);
+        let of = |quantity: Quantity| quantity.predict_of_keys(&record, &ambient, end);
         let t6 = record.events.t6.unwrap();
         assert_eq!(
             of(Quantity::Interval { from: 6, to: 13 }),

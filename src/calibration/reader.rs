@@ -6,7 +6,8 @@ use std::path::Path;
 use nailnoise_calibration::likelihood::Reading;
 use nailnoise_documents::{Document, KeyError, Keys, Value, found, nearest, read_regular};
 use nailnoise_dynamics::Outcome;
-use nailnoise_quantities::dimension::{NUMBER, PRESSURE, TIME};
+use nailnoise_dynamics::network::Assembly;
+use nailnoise_quantities::dimension::{NUMBER, PRESSURE};
 use nailnoise_quantities::{Dimension, Group, Kind, measure, quantity};
 use toml::de::DeValue;
 
@@ -16,13 +17,13 @@ use super::fields::{
     tables, words,
 };
 use super::level_file::OfFile;
-use super::level_quantities;
 use super::level_reader::OfLevel;
 use super::measurements::{
     Condition, Correlation, Direct, InstrumentError, Measured, MeasuredLevel, Measurements, Shown,
 };
 use super::next;
-use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, event};
+use super::quantities::Quantity;
+use super::quantity_reader::QuantityReader;
 use crate::design::{Assignment, Design, DesignError};
 
 /// Name and version of the layout.
@@ -54,15 +55,12 @@ const MEASURED: [&str; 16] = [
     "discrepancy",
 ];
 
-/// Keys for measurements of modes and traces, which are not supported.
-const OF_NOT_BUILT: [&str; 9] = [
-    "file", "column", "align", "from", "to", "points", "body", "hz", "mounted",
-];
-
 /// A reader of the file for one design.
 pub(super) struct Reader<'a> {
     /// The design.
     pub(super) design: &'a Design,
+    /// Its own assembly; none for the tool of the keys.
+    pub(super) assembly: Option<&'a Assembly>,
     /// The design with further assignments.
     pub(super) with: &'a dyn Fn(&[Assignment]) -> Result<Design, DesignError>,
 }
@@ -161,6 +159,7 @@ impl Reader<'_> {
             } else {
                 let at = Of {
                     table,
+                    assembly: self.assembly,
                     conditions,
                     instruments,
                 };
@@ -326,8 +325,22 @@ impl Reader<'_> {
             design,
             set: keys,
             shown,
-            outcomes: outcomes(table)?,
+            outcomes: self.outcomes(table)?,
         })
+    }
+
+    /// Outcomes that a shot may have had.
+    fn outcomes(&self, table: &Keys<'_, '_>) -> Result<Vec<String>, KeyError> {
+        let known: Vec<&str> = match self.assembly {
+            Some(own) => own.outcomes.iter().map(|outcome| outcome.name.as_str()).collect(),
+            None => Outcome::ALL.map(Outcome::name).to_vec(),
+        };
+        let words = words(table, "outcome", "\"drives\", or a list of outcomes")?;
+        let outcome = |word: &String| {
+            let place = place(table, "outcome", word, known.iter().copied(), "outcome")?;
+            Ok(known[place].to_owned())
+        };
+        words.iter().map(outcome).collect()
     }
 }
 
@@ -379,16 +392,6 @@ fn effort(root: &Keys<'_, '_>) -> Result<BTreeMap<String, f64>, KeyError> {
     Ok(found)
 }
 
-fn outcomes(table: &Keys<'_, '_>) -> Result<Vec<&'static str>, KeyError> {
-    let known = Outcome::ALL.map(Outcome::name);
-    let words = words(table, "outcome", "\"drives\", or a list of outcomes")?;
-    let outcome = |word: &String| {
-        let place = place(table, "outcome", word, known.into_iter(), "outcome")?;
-        Ok(known[place])
-    };
-    words.iter().map(outcome).collect()
-}
-
 fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlation>, KeyError> {
     const EXAMPLE: &str = "[{ ids = [\"drive\", \"p1\"], r = 0.3 }]";
     let Some(value) = root.get("correlation") else {
@@ -433,6 +436,7 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
 /// The table of a measurement of the cycle.
 struct Of<'a, 't, 'i> {
     table: &'a Keys<'t, 'i>,
+    assembly: Option<&'a Assembly>,
     conditions: &'a [Condition],
     instruments: &'a [(String, Keys<'t, 'i>)],
 }
@@ -440,19 +444,21 @@ struct Of<'a, 't, 'i> {
 impl Of<'_, '_, '_> {
     fn measured(&self, name: &str, notes: &mut Vec<String>) -> Result<Measured, KeyError> {
         let table = self.table;
-        if let Some(key) = OF_NOT_BUILT.iter().find(|key| table.get(key).is_some()) {
-            return Err(self.not_built(key));
-        }
+        let reader = QuantityReader {
+            table,
+            assembly: self.assembly,
+        };
+        reader.refuse_not_built()?;
         table.only(&MEASURED)?;
         let condition = condition_of(table, self.conditions)?;
-        let quantity = self.quantity()?;
+        let quantity = reader.quantity()?;
         let of_design = self.conditions[condition].design.analysis.cycle_end;
         if let Some(time) = quantity.time().filter(|time| *time > quantity.end(of_design)) {
             let problem = format!("is {time} s, after the end of the record at {of_design} s");
             return Err(table.error("at", problem, "give an earlier time, or raise `analysis.cycle_end`"));
         }
         let dimension = quantity.dimension();
-        let repeats = self.repeats(quantity, &self.conditions[condition])?;
+        let repeats = self.repeats(&quantity, &self.conditions[condition])?;
         let own = error(table, dimension)?.at(repeats.typical);
         let scatter = repeats.scatter.unwrap_or_else(|| {
             notes.push(format!(
@@ -462,9 +468,10 @@ impl Of<'_, '_, '_> {
             quantity.scatter(repeats.typical)
         });
         // A sum over many shots is a single reading.
-        let (own, repeated) = match quantity {
-            Quantity::AirPerShot if repeats.shots > 1.0 && table.get("values").is_none() => (own / repeats.shots, 1.0),
-            _ => (own, repeats.shots),
+        let is_sum = quantity.is_air() && repeats.shots > 1.0 && table.get("values").is_none();
+        let (own, repeated) = match is_sum {
+            true => (own / repeats.shots, 1.0),
+            false => (own, repeats.shots),
         };
         let variance = own.powi(2) / repeated + scatter.powi(2) / repeats.shots;
         if quantity.depends_on_the_hand() {
@@ -497,87 +504,7 @@ impl Of<'_, '_, '_> {
         })
     }
 
-    fn not_built(&self, key: &str) -> KeyError {
-        let problem = "belongs to a measurement of a mode or a trace, with which this version cannot calibrate";
-        let help = format!(
-            "choose from {}, {}",
-            NAMES.join(", "),
-            level_quantities::NAMES.join(", ")
-        );
-        self.table.error(key, problem, help)
-    }
-
-    fn quantity(&self) -> Result<Quantity, KeyError> {
-        let table = self.table;
-        table.required("quantity", "\"head_depth\"")?;
-        let name = table.text("quantity", "\"head_depth\"")?.unwrap_or_default();
-        if NOT_BUILT.contains(&name) {
-            return Err(self.not_built("quantity"));
-        }
-        let known = NAMES.into_iter().chain(level_quantities::NAMES);
-        let number = place(table, "quantity", name, known, "quantity")?;
-        let allowed: &[&str] = match NAMES[number] {
-            "interval" => &["events"],
-            "piston_travel" => &["at"],
-            "pressure" => &["of", "at"],
-            "peak_pressure" => &["of"],
-            _ => &[],
-        };
-        if let Some(other) = ["events", "at", "of"]
-            .iter()
-            .find(|key| table.get(key).is_some() && !allowed.contains(key))
-        {
-            return Err(table.error(other, format!("does not belong to `{name}`"), "remove it"));
-        }
-        Ok(match NAMES[number] {
-            "head_depth" => Quantity::HeadDepth,
-            "air_per_shot" => Quantity::AirPerShot,
-            "interval" => self.interval()?,
-            "mean_drive_speed" => Quantity::MeanDriveSpeed,
-            "speed_before_impact" => Quantity::SpeedBeforeImpact,
-            "piston_travel" => Quantity::PistonTravel(self.moment()?),
-            "pressure" => Quantity::Pressure(self.chamber()?, self.moment()?),
-            "peak_pressure" => Quantity::PeakPressure(self.chamber()?),
-            _ => Quantity::SupplyDrop,
-        })
-    }
-
-    fn interval(&self) -> Result<Quantity, KeyError> {
-        const EXAMPLE: &str = "[\"t6\", \"t9\"]";
-        self.table.required("events", EXAMPLE)?;
-        let words = words(self.table, "events", EXAMPLE)?;
-        let events: Option<Vec<usize>> = words.iter().map(|word| event(word)).collect();
-        match events.as_deref() {
-            Some(&[from, to]) if from < to => Ok(Quantity::Interval { from, to }),
-            Some(_) => Err(self
-                .table
-                .error("events", "must be two events in their order", format!("as {EXAMPLE}"))),
-            None => Err(self.unknown_event("events")),
-        }
-    }
-
-    fn unknown_event(&self, key: &str) -> KeyError {
-        let help = "give t0 to t18; docs/nailing-cycle.md explains them".to_owned();
-        self.table.error(key, "names an event that does not exist", help)
-    }
-
-    fn moment(&self) -> Result<Moment, KeyError> {
-        let value = self.table.required("at", "\"t9\", or a time from the trigger pull")?;
-        if let Some(word) = value.get_ref().as_str().filter(|word| word.starts_with('t')) {
-            return event(word).map(Moment::Event).ok_or_else(|| self.unknown_event("at"));
-        }
-        let time = self.table.number("at", value, |text| measure(text, TIME))?;
-        self.table.within("at", time, [0.0, 10.0], "s").map(Moment::Time)
-    }
-
-    fn chamber(&self) -> Result<Chamber, KeyError> {
-        self.table.required("of", "\"above_piston\"")?;
-        let name = self.table.text("of", "\"above_piston\"")?.unwrap_or_default();
-        let known = Chamber::NAMES.into_iter().map(|(own, _)| own);
-        place(self.table, "of", name, known, "chamber").map(|place| Chamber::NAMES[place].1)
-    }
-
-    fn repeats(&self, quantity: Quantity, condition: &Condition) -> Result<Repeats, KeyError> {
+    fn repeats(&self, quantity: &Quantity, condition: &Condition) -> Result<Repeats, KeyError> {
         let table = self.table;
         let dimension = quantity.dimension();
         let ambient = quantity
@@ -611,11 +538,7 @@ impl Of<'_, '_, '_> {
             });
         }
         let shots = table.count("shots", MOST_SHOTS)?.unwrap_or(1) as f64;
-        let of_one = if quantity == Quantity::AirPerShot {
-            1.0 / shots
-        } else {
-            1.0
-        };
+        let of_one = if quantity.is_air() { 1.0 / shots } else { 1.0 };
         let reading = reading(table, [value, most, least], |own| of_one * own)?;
         let typical = match reading {
             Reading::Value(value) | Reading::AtMost(value) | Reading::AtLeast(value) => value,

@@ -4,15 +4,13 @@ use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over}
 use nailnoise_calibration::likelihood::Reading;
 use nailnoise_calibration::sampler::Step;
 use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
-use nailnoise_dynamics::CycleRecord;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::levels::{LevelRow, LevelWork};
 use super::measurements::Measurements;
 use super::next::NextRow;
 use super::posterior::{Found, Posterior, Request, Work};
-use super::tool::{Tool, shot};
+use super::tool::Tool;
 use crate::design::{Design, Value};
 use crate::result::DesignId;
 use crate::study::VariableKind;
@@ -215,101 +213,13 @@ pub struct PairRow {
 #[derive(Debug, Clone, Serialize)]
 pub struct FigureRow {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// SI unit.
     pub unit: String,
     /// P5, P50 and P95 of candidates.
     pub before: [f64; 3],
     /// P5, P50 and P95 of the draws.
     pub now: [f64; 3],
-}
-
-/// A figure of a shot.
-struct Figure {
-    name: &'static str,
-    unit: &'static str,
-    of: fn(&CycleRecord) -> Option<f64>,
-}
-
-/// Figures of the shot that determine the sources: speed, energy and force for the workpiece, flow for the exhaust.
-const FIGURES: [Figure; 8] = [
-    Figure {
-        name: "speed before impact",
-        unit: "m/s",
-        of: |own| own.summary.speed_before_impact,
-    },
-    Figure {
-        name: "mean drive speed",
-        unit: "m/s",
-        of: |own| own.summary.mean_drive_speed,
-    },
-    Figure {
-        name: "head depth",
-        unit: "m",
-        of: |own| Some(own.summary.head_depth),
-    },
-    Figure {
-        name: "energy left at full depth",
-        unit: "J",
-        of: energy_left,
-    },
-    Figure {
-        name: "peak penetration force",
-        unit: "N",
-        of: |own| Some(own.summary.peak_penetration_force),
-    },
-    Figure {
-        name: "air through the exhaust",
-        unit: "kg",
-        of: |own| Some(own.summary.exhaust_mass),
-    },
-    Figure {
-        name: "peak exhaust flow",
-        unit: "kg/s",
-        of: |own| largest(&own.exhaust.mass_flow),
-    },
-    Figure {
-        name: "peak return pressure",
-        unit: "Pa",
-        of: |own| largest(&own.return_volume.pressure),
-    },
-];
-
-fn largest(values: &[f64]) -> Option<f64> {
-    values.iter().copied().reduce(f64::max)
-}
-
-/// Kinetic energy of piston and nail when the nail reaches its full depth \[J\].
-fn energy_left(record: &CycleRecord) -> Option<f64> {
-    let index = (record.summary.full_penetration? / record.sample_interval).round() as usize;
-    let (mass, speed) = (
-        record.motion.moving_mass.get(index)?,
-        record.piston.velocity.get(index)?,
-    );
-    Some(0.5 * mass * speed * speed)
-}
-
-/// Figures of a design's shots at some points; NaN if missing.
-pub(super) fn figures_of<'z>(tool: &Tool, design: &Design, points: impl Iterator<Item = &'z [f64]>) -> Vec<Vec<f64>> {
-    let points: Vec<&[f64]> = points.collect();
-    let figures = |z: &&[f64]| {
-        let own = tool.design(design, z)?;
-        let record = shot(&own, own.analysis.cycle_end).ok()?;
-        Some(
-            FIGURES
-                .iter()
-                .map(|figure| (figure.of)(&record).unwrap_or(f64::NAN))
-                .collect(),
-        )
-    };
-    let rows = points.par_iter().map(figures);
-    rows.map(|row: Option<Vec<f64>>| row.unwrap_or_else(|| vec![f64::NAN; FIGURES.len()]))
-        .collect()
-}
-
-/// Names of the figures, in the order of [`figures_of`].
-pub(super) fn figure_names() -> impl Iterator<Item = &'static str> {
-    FIGURES.iter().map(|own| own.name)
 }
 
 /// A quantile of the finite values.
@@ -392,14 +302,14 @@ pub(super) fn result(
         })
         .collect();
     inputs.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
-    let before = figures_of(
-        &posterior.tool,
-        design,
-        posterior.start.accepted.iter().map(|own| own.z.as_slice()),
-    );
-    let now = figures_of(&posterior.tool, design, particles.iter().map(|own| own.z.as_slice()));
-    let figures = FIGURES.iter().enumerate().map(|(k, figure)| FigureRow {
-        name: figure.name,
+    let before = posterior
+        .tool
+        .figures_at(design, posterior.start.accepted.iter().map(|own| own.z.as_slice()));
+    let now = posterior
+        .tool
+        .figures_at(design, particles.iter().map(|own| own.z.as_slice()));
+    let figures = posterior.tool.figures.iter().enumerate().map(|(k, figure)| FigureRow {
+        name: figure.name.clone(),
         unit: figure.unit.to_owned(),
         before: percentiles(before.iter().map(|row| row[k])),
         now: percentiles(now.iter().map(|row| row[k])),
@@ -439,7 +349,7 @@ pub(super) fn result(
     let names = (0..variables).map(|k| posterior.tool.name(k).to_owned());
     let names = names.chain(measured.data.iter().map(|own| format!("predicted.{}", own.name)));
     let names = names
-        .chain(FIGURES.iter().map(|own| own.name.replace(' ', "_")))
+        .chain(posterior.tool.figures.iter().map(|own| own.name.replace(' ', "_")))
         .collect();
     let table = (0..particles.len()).map(|draw| {
         let own = values.iter().map(|own| own[draw]);
@@ -536,16 +446,19 @@ fn row(posterior: &Posterior, measured: &Measurements, k: usize) -> MeasurementR
     }
 }
 
-/// The key of the design that limits an outcome.
-fn bound_of(outcome: &str) -> Option<&'static str> {
-    match outcome {
-        "overdriven" => Some("nail.overdrive_limit"),
-        "strikes_bumper" => Some("piston.stroke"),
-        "underdriven" => Some("wood.resistance_scale"),
-        "does_not_open" | "does_not_exhaust" => Some("head_valve"),
-        "does_not_release" => Some("trigger"),
-        _ => None,
-    }
+/// States the key of the design that limits an outcome, after a semicolon; empty without one.
+fn bound_of(tool: &Tool, outcome: &str) -> String {
+    let key = match outcome {
+        "dry_fire" | "refused" | "solver_failure" | "no such event" => return String::new(),
+        _ if tool.is_assembly => return format!("; `cycle.outcome.{outcome}` defines it"),
+        "overdriven" => "nail.overdrive_limit",
+        "strikes_bumper" => "piston.stroke",
+        "underdriven" => "wood.resistance_scale",
+        "does_not_open" | "does_not_exhaust" => "head_valve",
+        "does_not_release" => "trigger",
+        _ => return String::new(),
+    };
+    format!("; `{key}` bounds that outcome")
 }
 
 fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> ConflictRow {
@@ -580,7 +493,7 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
                     format!("come nearer, to {nearest} {unit}")
                 }
             };
-            let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
+            let bound = bound_of(&posterior.tool, outcome);
             remedies.push(format!(
                 "shots with the outcome \"{}\" {how}{bound}",
                 outcome.replace('_', " ")
@@ -588,7 +501,7 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
         }
     }
     if let Some((outcome, count)) = found.refusals.iter().max_by_key(|(_, count)| **count) {
-        let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
+        let bound = bound_of(&posterior.tool, outcome);
         remedies.push(format!(
             "{count} proposals were refused for the outcome \"{}\"{bound}",
             outcome.replace('_', " ")
@@ -617,6 +530,13 @@ fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
          diameters, masses) are drawn for the cycle"
             .to_owned(),
     );
+    if posterior.tool.is_assembly {
+        notes.push(
+            "the errors of the model are assumed as large as those of the built-in tool, which was compared with \
+             measurements; state `discrepancy` where you know better"
+                .to_owned(),
+        );
+    }
     let left_out: Vec<&str> = posterior
         .conflicts
         .iter()

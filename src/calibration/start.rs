@@ -1,5 +1,6 @@
 //! Candidates with the observed outcomes: draws from the ranges of the design, in the order of the study's sequence.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use nailnoise_calibration::likelihood::{Likelihood, Prediction};
@@ -41,9 +42,9 @@ pub(super) struct Start {
 struct Tried {
     accepted: Option<Candidate>,
     /// Condition and outcome that failed.
-    failed: Option<(usize, &'static str)>,
+    failed: Option<(usize, Cow<'static, str>)>,
     /// Outcome and predictions under each condition that was computed.
-    shots: Vec<(usize, &'static str, Vec<Prediction>)>,
+    shots: Vec<(usize, Cow<'static, str>, Vec<Prediction>)>,
 }
 
 impl Start {
@@ -108,7 +109,9 @@ impl Start {
         for (condition, outcome, predictions) in tried.shots {
             for (k, prediction) in likelihood.of_condition(condition).zip(predictions) {
                 if let Prediction::Value(value) = prediction {
-                    let ends = self.reached[k].entry(outcome.to_owned()).or_insert([value; 2]);
+                    let ends = self.reached[k]
+                        .entry(outcome.clone().into_owned())
+                        .or_insert([value; 2]);
                     *ends = [ends[0].min(value), ends[1].max(value)];
                 }
             }
@@ -137,7 +140,7 @@ fn try_point(tool: &Tool, likelihood: &Likelihood, z: Vec<f64>) -> Tried {
         let observed = match tool.observe(&z, condition) {
             Ok(observed) => observed,
             Err(name) => {
-                tried.failed = Some((condition, name));
+                tried.failed = Some((condition, name.into()));
                 return tried;
             }
         };
@@ -146,13 +149,14 @@ fn try_point(tool: &Tool, likelihood: &Likelihood, z: Vec<f64>) -> Tried {
             .zip(&observed.predictions)
             .for_each(|(&k, own)| predictions[k] = *own);
         let allowed = &tool.conditions[condition].outcomes;
-        let is_allowed = allowed.is_empty() || allowed.iter().any(|own| own == observed.outcome);
+        let is_allowed = allowed.is_empty() || allowed.iter().any(|own| *own == observed.outcome);
         let is_missing = own
             .iter()
             .any(|&k| data[k].counts && predictions[k] == Prediction::Missing);
-        tried.shots.push((condition, observed.outcome, observed.predictions));
+        let outcome = observed.outcome;
+        tried.shots.push((condition, outcome.clone(), observed.predictions));
         if !is_allowed || is_missing {
-            let name = if is_allowed { "no such event" } else { observed.outcome };
+            let name = if is_allowed { "no such event".into() } else { outcome };
             tried.failed = Some((condition, name));
             return tried;
         }

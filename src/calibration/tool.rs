@@ -1,27 +1,23 @@
 //! The tool of a design as a simulator of measurements: variables of the study, shared errors of readings, and one
 //! cycle per condition.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::{Datum, ErrorCorrelation, ErrorLaw, Likelihood, Prediction, SharedError};
-use nailnoise_dynamics::{CycleError, CycleRecord, Settings, simulate};
+use rayon::prelude::*;
 
 use super::error::CalibrationError;
+use super::figures::Figure;
 use super::measurements::{InstrumentError, Measured, Measurements};
 use super::quantities::{Family, Quantity};
-use crate::design::inputs::cycle::{cycle_settings, parameters};
+use super::shot::{Shot, assembly_of};
 use crate::design::{Derived, Design, Value};
 use crate::error::Error;
 use crate::study::{
     Parameter, Point, Sampler, Variable, VariableKind, cycle_variables, differing_keys, drawn, value_at,
 };
-
-/// Integration tolerance of the cycles; it changes the depth of the head by less than 1 um.
-const TOLERANCE: f64 = 1e-5;
-
-/// Sampling interval \[s\].
-const SAMPLES: f64 = 5e-5;
 
 /// Length of a record of which nothing is read \[s\].
 const SHORTEST: f64 = 1e-3;
@@ -50,7 +46,7 @@ struct ShownError {
 /// A shot that was computed.
 pub(super) struct Observed {
     /// Name of its outcome.
-    pub(super) outcome: &'static str,
+    pub(super) outcome: Cow<'static, str>,
     /// Predictions for the readings of its condition, in order.
     pub(super) predictions: Vec<Prediction>,
 }
@@ -63,6 +59,10 @@ pub(super) struct Tool {
     pub(super) shared: Vec<String>,
     /// The conditions; those of the file may be followed by one of the design itself.
     pub(super) conditions: Vec<Shots>,
+    /// Figures of the design's own shot.
+    pub(super) figures: Vec<Figure>,
+    /// Whether the design has its own assembly.
+    pub(super) is_assembly: bool,
 }
 
 impl Tool {
@@ -81,14 +81,14 @@ impl Tool {
             .iter()
             .map(|name| format!("instrument.{name}"))
             .collect();
-        shared.extend(families(measured).into_iter().map(Family::name));
+        shared.extend(families(measured).iter().map(Family::name));
         let mut conditions: Vec<Shots> = measured
             .conditions
             .iter()
             .enumerate()
             .map(|(number, condition)| {
                 let data = measured.data.iter().filter(|own| own.condition == number);
-                let quantities: Vec<Quantity> = data.map(|own| own.quantity).collect();
+                let quantities: Vec<Quantity> = data.map(|own| own.quantity.clone()).collect();
                 let shown = condition.shown.iter().map(|own| ShownError {
                     shown: number_of(&condition.design, &own.key),
                     key: own.key.clone(),
@@ -100,7 +100,7 @@ impl Tool {
                 Shots {
                     name: condition.name.clone(),
                     end: end(&condition.design, &quantities, !condition.outcomes.is_empty()),
-                    outcomes: condition.outcomes.iter().map(|own| (*own).to_owned()).collect(),
+                    outcomes: condition.outcomes.clone(),
                     shown: shown.collect(),
                     design: condition.design.clone(),
                     quantities,
@@ -125,10 +125,13 @@ impl Tool {
         }
         let mut base = design.clone();
         base.sensors.clear();
+        let assembly = assembly_of(design)?;
         Ok(Self {
             sampler: Sampler::new(&base, variables, seed),
             shared,
             conditions,
+            figures: Figure::all(assembly.as_ref()),
+            is_assembly: assembly.is_some(),
         })
     }
 
@@ -164,6 +167,19 @@ impl Tool {
         drawn(around, &self.sampler, around, &self.point(z)).ok()
     }
 
+    /// Figures of the shots of `around` with the values of some points; NaN if missing.
+    pub(super) fn figures_at<'z>(&self, around: &Design, points: impl Iterator<Item = &'z [f64]>) -> Vec<Vec<f64>> {
+        let points: Vec<&[f64]> = points.collect();
+        let figures = |z: &&[f64]| {
+            let own = self.design(around, z)?;
+            let shot = Shot::of(&own, own.analysis.cycle_end).ok()?;
+            Some(self.figures.iter().map(|figure| figure.of(&shot)).collect())
+        };
+        let rows = points.par_iter().map(figures);
+        rows.map(|row: Option<Vec<f64>>| row.unwrap_or_else(|| vec![f64::NAN; self.figures.len()]))
+            .collect()
+    }
+
     /// The shot of a point under a condition.
     ///
     /// # Errors
@@ -177,32 +193,13 @@ impl Tool {
                 .set(&[(&shown.key, Value::Number(value))])
                 .map_err(|_| "refused")?;
         }
-        let record = shot(&design, own.end)?;
-        let predict = |quantity: &Quantity| quantity.predict(&record, &design.ambient, own.end);
+        let shot = Shot::of(&design, own.end)?;
+        let predict = |quantity: &Quantity| quantity.predict(&shot, &design.ambient, own.end);
         Ok(Observed {
-            outcome: record.outcome.name(),
+            outcome: shot.outcome(),
             predictions: own.quantities.iter().map(predict).collect(),
         })
     }
-}
-
-/// The record of a design's shot until `end` \[s\].
-///
-/// # Errors
-/// Same as [`Tool::observe`].
-pub(super) fn shot(design: &Design, end: f64) -> Result<CycleRecord, &'static str> {
-    let settings = Settings {
-        relative_tolerance: TOLERANCE,
-        sample_interval: SAMPLES,
-        end,
-        ..cycle_settings(design)
-    };
-    let parameters = parameters(design).map_err(|_| "refused")?;
-    simulate(&parameters, &settings).map_err(|error| match error {
-        CycleError::DryFire { .. } => "dry_fire",
-        CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. } => "solver_failure",
-        _ => "refused",
-    })
 }
 
 impl Simulator for Tool {
@@ -210,10 +207,10 @@ impl Simulator for Tool {
         self.keys() + self.shared.len()
     }
 
-    fn predict(&self, z: &[f64], condition: usize) -> Result<Vec<Prediction>, &'static str> {
+    fn predict(&self, z: &[f64], condition: usize) -> Result<Vec<Prediction>, Cow<'static, str>> {
         let observed = self.observe(z, condition)?;
         let allowed = &self.conditions[condition].outcomes;
-        if allowed.is_empty() || allowed.iter().any(|own| own == observed.outcome) {
+        if allowed.is_empty() || allowed.iter().any(|own| *own == observed.outcome) {
             Ok(observed.predictions)
         } else {
             Err(observed.outcome)
@@ -260,7 +257,7 @@ fn number_of(design: &Design, key: &str) -> f64 {
 /// Families of the readings, without duplicates.
 fn families(measured: &Measurements) -> Vec<Family> {
     let mut families: Vec<Family> = measured.data.iter().filter_map(|own| own.quantity.family()).collect();
-    families.sort_unstable();
+    families.sort();
     families.dedup();
     families
 }

@@ -21,7 +21,7 @@ use super::posterior::{Calibration, Request, Treatment};
 use super::quantities::Quantity;
 use super::random::standard_normal;
 use super::reader::Reader;
-use super::result::{CalibrationResult, figures_of, result};
+use super::result::{CalibrationResult, result};
 use super::tool::Tool;
 use crate::design::{Assignment, Design};
 use crate::stages::{Progress, Silent};
@@ -117,9 +117,13 @@ const HIDDEN: u64 = 0x71D5_EED5;
 
 fn measurements(design: &Design, text: &str) -> Measurements {
     let with = |own: &[Assignment]| Design::load_with(design.path(), own);
-    Reader { design, with: &with }
-        .read(&Document::new(Path::new("twin.toml"), text))
-        .unwrap()
+    Reader {
+        design,
+        assembly: None,
+        with: &with,
+    }
+    .read(&Document::new(Path::new("twin.toml"), text))
+    .unwrap()
 }
 
 /// The text filled with these readings.
@@ -200,7 +204,7 @@ fn hidden_twins_are_covered() {
             read[k] *= 1.3;
         }
         let result = calibrated(&design, &filled(&read), &store, 1 + twin);
-        let hidden_figures = figures_of(&tool, &design, std::iter::once(z.as_slice())).remove(0);
+        let hidden_figures = tool.figures_at(&design, std::iter::once(z.as_slice())).remove(0);
         let point = tool.point(&z);
         let within = |value: f64, [low, high]: [f64; 2]| usize::from((low..=high).contains(&value));
         let mut own = [0, 0];

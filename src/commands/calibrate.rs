@@ -151,7 +151,7 @@ fn status(converged: bool, has_conflict: bool) -> Status {
 
 fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
     let options = &arguments.options;
-    let design = options.begin(path)?;
+    let design = options.begin_with_any_tool(path)?;
     let folder = options.out(&design)?.join("calibration");
     let store = match &arguments.store {
         Some(folder) => Store::shared(folder)?,

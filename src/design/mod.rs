@@ -334,9 +334,9 @@ impl Design {
     }
 
     /// The design with these outcomes as those of shots that count; all count if there are none.
-    pub(crate) fn with_required(&self, outcomes: &[&'static str]) -> Self {
+    pub(crate) fn with_required(&self, outcomes: &[String]) -> Self {
         let mut design = self.clone();
-        design.study.require = outcomes.iter().map(|own| (*own).to_owned()).collect();
+        design.study.require = outcomes.to_vec();
         design
     }
 

@@ -111,6 +111,54 @@ fn a_contradiction_is_named_as_a_pair_and_left_out_or_widened() {
     assert!(text.contains(&format!("widened by a factor {factor:.1}")), "{text}");
 }
 
+/// A stapler of the assembly's own words on the small design, with a reading of its staple and its cylinder.
+#[test]
+fn a_tool_of_its_own_assembly_is_calibrated_by_the_names_of_its_blocks() {
+    let shots = |of: &str| {
+        format!(
+            "schema = \"nailnoise-calibration/1\"\n[condition]\n\
+             a = {{ set = {{ \"supply.pressure\" = \"90 psig\" }}, outcome = \"drives\" }}\n[measured]\n\
+             depth = {{ condition = \"a\", quantity = \"staple_depth\", value = \"11 mm\", shots = 5, scatter = \
+             \"0.3 mm\", error = \"0.2 mm\", discrepancy = \"0.3 mm\" }}\n\
+             peak = {{ condition = \"a\", quantity = \"peak_pressure\", of = \"{of}\", value = \"7.2 bar\", \
+             scatter = \"1 %\", error = \"2 %\" }}\n"
+        )
+    };
+    let folder = folder("calibrate/assembly");
+    let text = "[cycle]\nassembly = \"stapler\"\n[cycle.outcome]\nmisfires = \"no strike\"\ndrives = \"strike\"\n";
+    let design = over(&folder, "tool", text);
+    fs::write(folder.join("shots.toml"), shots("cylinder")).unwrap();
+    let refused = calibrate(&folder, &design, &["--draws", "64"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = messages(&refused);
+    assert!(
+        message.contains("line 6") && message.contains("choose from handle, above, below"),
+        "{message}"
+    );
+
+    fs::write(folder.join("shots.toml"), shots("above")).unwrap();
+    let output = calibrate(&folder, &design, &["--draws", "64"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        folder.join("out/calibration/calibration.json").exists(),
+        "{text}\n{}",
+        messages(&output)
+    );
+    let result = result(&folder);
+    assert_eq!(measurement_outcomes(&result), [(true, "met"), (true, "met")]);
+    let width = |row: &Value, key: &str| row[key][2].as_f64().unwrap() - row[key][0].as_f64().unwrap();
+    let rows = result["figures"].as_array().unwrap();
+    let depth = rows.iter().find(|own| own["name"] == "staple depth").unwrap();
+    assert!(width(depth, "now") < 0.5 * width(depth, "before"), "{depth}");
+    let calibrated = folder.join("out/calibration/calibrated.toml");
+    let shot = json(
+        &command(&["cycle", calibrated.to_str().unwrap(), "--json"])
+            .output()
+            .unwrap(),
+    );
+    assert_eq!(shot["outcome"], "drives");
+}
+
 #[test]
 fn a_reading_beyond_the_outcome_names_the_limit_that_would_have_to_give() {
     let shots = "schema = \"nailnoise-calibration/1\"\n[condition]\n\

@@ -48,12 +48,22 @@ def measurements(entries):
     return "\n".join(lines) + "\n"
 
 
-def number(value):
-    return "-" if value is None else f"{value:.3g}"
+# Units of the page for SI units, with their factors.
+UNITS = {
+    "m": ("mm", 1e3),
+    "N": ("kN", 1e-3),
+    "Pa": ("kPa", 1e-3),
+    "kg": ("g", 1e3),
+    "kg/s": ("g/s", 1e3),
+}
 
 
-def interval(own):
-    return f"{number(own[0])} .. {number(own[-1])}"
+def number(value, factor=1.0):
+    return "-" if value is None else f"{factor * value:.3g}"
+
+
+def interval(own, factor=1.0):
+    return f"{number(own[0], factor)} .. {number(own[-1], factor)}"
 
 
 def level(own):
@@ -94,7 +104,7 @@ def page(result, file, arguments):
             "support; they are not used."
         )
     )
-    rows = ["| figure | published | unit | before, 90 % | now, 90 % | left over, sd | probability | verdict |"]
+    rows = ["| figure | published | unit | before, 90 % | now, 90 % | difference left, sd | probability | verdict |"]
     rows.append("|---|---|---|---|---|---|---|---|")
     for own in result["measurements"]:
         low, high = own["reading"]
@@ -118,7 +128,7 @@ def page(result, file, arguments):
     if not result["conflicts"]:
         parts.append(
             wrapped(
-                f"No figure contradicts the others: {', '.join(used)} condition the draws."
+                f"No figure contradicts the others beyond the errors: {', '.join(used)} condition the draws."
             )
         )
     rows = ["| input | unit | before, 90 % | now, 90 % | ratio of widths |", "|---|---|---|---|---|"]
@@ -130,14 +140,15 @@ def page(result, file, arguments):
         "## What moved\n\n"
         + ("\n".join(rows) + "\n\n" if moved else "")
         + wrapped(
-            f"{len(moved)} inputs are narrower by more than chance explains with these draws (ratio below "
-            f"{result['moved_below']:.2f}); {result['unidentified']} are not identified."
+            f"{len(moved) or 'No'} inputs are narrower by more than chance explains with these draws (ratio of the "
+            f"widths below {result['moved_below']:.2f}); the figures do not identify the other {result['unidentified']}."
         )
     )
     rows = ["| figure of the shot | before, P50 (90 %) | now |", "|---|---|---|"]
     for own in result["figures"]:
-        before, now = (f"{number(own[key][1])} ({interval(own[key])})" for key in ("before", "now"))
-        rows.append(f"| {own['name']}, {own['unit']} | {before} | {now} |")
+        unit, factor = UNITS.get(own["unit"], (own["unit"], 1.0))
+        before, now = (f"{number(own[key][1], factor)} ({interval(own[key], factor)})" for key in ("before", "now"))
+        rows.append(f"| {own['name']}, {unit} | {before} | {now} |")
     parts.append("\n".join(rows))
     rows = ["| L_WA,1s, dB re 1 pW s, P50 (90 %) | study of the ranges | given the speed | given all | P(first) |"]
     rows.append("|---|---|---|---|---|")

@@ -1,5 +1,7 @@
 //! Laws of the sampler: changes of the input that must not affect its result, and changes that must.
 
+use std::borrow::Cow;
+
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::Prediction;
 use nailnoise_calibration::sampler::{Sampler, Settings};
@@ -87,9 +89,9 @@ impl Simulator for Ordered {
         3
     }
 
-    fn predict(&self, z: &[f64], _: usize) -> Result<Vec<Prediction>, &'static str> {
+    fn predict(&self, z: &[f64], _: usize) -> Result<Vec<Prediction>, Cow<'static, str>> {
         if z[2] > 2.0 {
-            return Err("too_far");
+            return Err("too_far".into());
         }
         Ok(vec![Prediction::Value(z[0])])
     }

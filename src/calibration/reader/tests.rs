@@ -20,6 +20,7 @@ fn read(text: &str) -> Result<Measurements, CalibrationError> {
     let with = |own: &[Assignment]| Design::load_with(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml"), own);
     Reader {
         design: &design,
+        assembly: None,
         with: &with,
     }
     .read(&Document::new(Path::new("shots.toml"), text))

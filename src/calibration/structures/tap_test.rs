@@ -6,6 +6,8 @@
 //! standard error of 2. Two missing modes thus cost as much likelihood as one frequency that is off by one standard
 //! error.
 
+use std::borrow::Cow;
+
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::{Datum, ErrorLaw, Prediction, Reading};
 
@@ -194,7 +196,7 @@ impl Simulator for Simulation<'_> {
         INPUTS
     }
 
-    fn predict(&self, z: &[f64], _: usize) -> Result<Vec<Prediction>, &'static str> {
+    fn predict(&self, z: &[f64], _: usize) -> Result<Vec<Prediction>, Cow<'static, str>> {
         let modes = self.ritz.modes(&self.test.plate(z)).ok_or("not positive definite")?;
         let assigned = self.test.assigned(&modes, &self.counts);
         let hz = assigned.of_peak.iter().map(|&mode| Prediction::Value(modes[mode].hz));

@@ -1,0 +1,330 @@
+//! Quantities of the shot of a design's own assembly that a user can measure, named after its blocks and events.
+
+use std::collections::BTreeSet;
+
+use nailnoise_calibration::likelihood::Prediction;
+use nailnoise_dynamics::Ambient;
+use nailnoise_dynamics::network::assembly::Space;
+use nailnoise_dynamics::network::{Assembly, Record};
+use nailnoise_quantities::Dimension;
+use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELOCITY, VOLUME};
+
+use super::quantities::Spread;
+use crate::sensitivity::AssemblyOutput;
+
+/// Groups of figures that can be measured; forces inside the tool cannot, and times are measured as intervals.
+const FIGURES: [&str; 3] = ["speed", "penetration", "masses"];
+
+/// Name of the trigger pull as an event, at t = 0.
+pub(super) const START: &str = "start";
+
+/// When a value is read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum AssemblyMoment {
+    /// At an event.
+    Event(String),
+    /// At a time from the trigger pull \[s\].
+    Time(f64),
+}
+
+/// A quantity that was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum AssemblyQuantity {
+    /// A figure of the shot, such as `nail_depth` or `speed_before_nail`.
+    Figure(AssemblyOutput),
+    /// Free air that leaves through all openings during one shot \[m3\].
+    AirPerShot {
+        /// Masses through the openings.
+        masses: Vec<AssemblyOutput>,
+        /// The volumes that discharge through them.
+        volumes: Vec<String>,
+    },
+    /// Time between two events \[s\].
+    Interval { from: String, to: String },
+    /// Travel of a body \[m\].
+    Travel { body: String, at: AssemblyMoment },
+    /// Absolute pressure of a volume \[Pa\].
+    Pressure { volume: String, at: AssemblyMoment },
+    /// Largest absolute pressure of a volume \[Pa\].
+    PeakPressure { volume: String },
+}
+
+/// Figures of an assembly's shot that can be measured.
+pub(super) fn figures(assembly: &Assembly) -> Vec<AssemblyOutput> {
+    let mut all = AssemblyOutput::all(assembly);
+    all.retain(|own| FIGURES.contains(&own.group));
+    all
+}
+
+/// The air that leaves through all openings; none if the assembly has no opening.
+pub(super) fn air_per_shot(assembly: &Assembly) -> Option<AssemblyQuantity> {
+    let of_openings: BTreeSet<String> = assembly
+        .openings
+        .iter()
+        .map(|own| format!("{}_mass", own.name))
+        .collect();
+    let masses = AssemblyOutput::all(assembly).into_iter();
+    let masses: Vec<AssemblyOutput> = masses
+        .filter(|own| own.group == "masses" && of_openings.contains(&own.name))
+        .collect();
+    let passages = assembly
+        .openings
+        .iter()
+        .filter_map(|own| assembly.passages.get(own.passage));
+    let spaces = passages.flat_map(|passage| [passage.from, passage.to]);
+    let volumes: BTreeSet<usize> = spaces
+        .filter_map(|space| match space {
+            Space::Volume(volume) => Some(volume),
+            Space::Reservoir(_) => None,
+        })
+        .collect();
+    let volumes = volumes
+        .into_iter()
+        .map(|own| assembly.volumes[own].name.clone())
+        .collect();
+    (!masses.is_empty()).then_some(AssemblyQuantity::AirPerShot { masses, volumes })
+}
+
+impl AssemblyQuantity {
+    /// Its name in the file.
+    pub(super) fn name(&self) -> &str {
+        match self {
+            Self::Figure(own) => &own.name,
+            Self::AirPerShot { .. } => "air_per_shot",
+            Self::Interval { .. } => "interval",
+            Self::Travel { .. } => "travel",
+            Self::Pressure { .. } => "pressure",
+            Self::PeakPressure { .. } => "peak_pressure",
+        }
+    }
+
+    /// Its dimension.
+    pub(super) fn dimension(&self) -> Dimension {
+        match self {
+            Self::Figure(own) => match own.unit {
+                "m/s" => VELOCITY,
+                "kg" => MASS,
+                "J" => ENERGY,
+                "s" => TIME,
+                _ => LENGTH,
+            },
+            Self::AirPerShot { .. } => VOLUME,
+            Self::Interval { .. } => TIME,
+            Self::Travel { .. } => LENGTH,
+            Self::Pressure { .. } | Self::PeakPressure { .. } => PRESSURE,
+        }
+    }
+
+    /// Whether it is never below 0.
+    pub(super) fn is_positive(&self) -> bool {
+        !matches!(self, Self::Figure(_) | Self::Travel { .. })
+    }
+
+    /// The time from the trigger pull at which it is read, if it is not read at an event \[s\].
+    pub(super) fn time(&self) -> Option<f64> {
+        match self {
+            Self::Travel { at, .. } | Self::Pressure { at, .. } => match at {
+                AssemblyMoment::Time(time) => Some(*time),
+                AssemblyMoment::Event(_) => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Model error: that of the same kind of quantity of the tool of the keys, of which measurements exist. Intervals
+    /// and pressures have the largest of their kind, because nobody has compared this tool with measurements.
+    pub(super) fn discrepancy(&self) -> Spread {
+        let [share, amount] = match self {
+            Self::Figure(own) if own.unit == "m" => [0.05, 1e-3],
+            Self::Figure(_) => [0.05, 0.0],
+            Self::AirPerShot { .. } => [0.04, 0.0],
+            Self::Interval { .. } => [0.05, 1e-4],
+            Self::Travel { .. } => [0.05, 1e-3],
+            Self::Pressure { .. } | Self::PeakPressure { .. } => [0.08, 0.0],
+        };
+        Spread { share, amount }
+    }
+
+    /// Scatter of repeated shots, if the file does not state it.
+    pub(super) fn scatter(&self) -> Spread {
+        let [share, amount] = match self {
+            Self::Figure(own) if own.unit == "m" => [0.0, 1.5e-3],
+            Self::AirPerShot { .. } | Self::Pressure { .. } | Self::PeakPressure { .. } => [0.01, 0.0],
+            _ => [0.03, 0.0],
+        };
+        Spread { share, amount }
+    }
+
+    /// The group of predictions with which it shares part of its model error.
+    pub(super) fn family(&self) -> Option<String> {
+        match self {
+            Self::Figure(own) if own.unit == "m" => Some(own.name.clone()),
+            _ => self.volume().map(|volume| format!("pressure.{volume}")),
+        }
+    }
+
+    /// The volume whose pressure it is.
+    pub(super) fn volume(&self) -> Option<&str> {
+        match self {
+            Self::Pressure { volume, .. } | Self::PeakPressure { volume } => Some(volume),
+            _ => None,
+        }
+    }
+
+    /// Its value in a shot. An event that has not occurred at the end of the record may still follow, so that the end
+    /// bounds the interval.
+    pub(super) fn predict(&self, record: &Record, ambient: &Ambient) -> Prediction {
+        let known = |value: Option<f64>| value.map_or(Prediction::Missing, Prediction::Value);
+        let event = |name: &str| if name == START { Some(0.0) } else { record.event(name) };
+        let sampled = |channel: String, at: &AssemblyMoment| {
+            let time = match at {
+                AssemblyMoment::Event(name) => event(name),
+                AssemblyMoment::Time(time) => Some(*time),
+            };
+            known(time.and_then(|time| interpolated(record, &channel, time)))
+        };
+        match self {
+            Self::Figure(own) => known(own.of(record)),
+            Self::AirPerShot { masses, volumes } => {
+                let mass: Option<f64> = masses.iter().map(|own| own.of(record)).sum();
+                let free = mass.map(|mass| mass * ambient.gas_constant * ambient.temperature / ambient.pressure);
+                match free {
+                    Some(free) if !volumes.iter().all(|own| has_settled(record, own, ambient.pressure)) => {
+                        Prediction::AtLeast(free)
+                    }
+                    other => known(other),
+                }
+            }
+            Self::Interval { from, to } => match (event(from), event(to)) {
+                (Some(from), Some(to)) => Prediction::Value(to - from),
+                (Some(from), None) => Prediction::AtLeast(record.end - from),
+                _ => Prediction::Missing,
+            },
+            Self::Travel { body, at } => sampled(format!("{body}.travel"), at),
+            Self::Pressure { volume, at } => sampled(format!("{volume}.pressure"), at),
+            Self::PeakPressure { volume } => {
+                let history = record.get(&format!("{volume}.pressure"));
+                known(history.and_then(|own| own.iter().copied().reduce(f64::max)))
+            }
+        }
+    }
+}
+
+/// Whether the pressure of a volume at the end of the record is that of its start, as in a tool that is ready again, or
+/// ambient, as in a vessel that is empty; within a part of its largest change.
+fn has_settled(record: &Record, volume: &str, ambient: f64) -> bool {
+    const SETTLED: f64 = 0.02;
+    let Some(pressure) = record.get(&format!("{volume}.pressure")) else {
+        return false;
+    };
+    let (Some(first), Some(last)) = (pressure.first(), pressure.last()) else {
+        return false;
+    };
+    let change = pressure.iter().fold(0.0_f64, |most, own| most.max((own - first).abs()));
+    [*first, ambient]
+        .iter()
+        .any(|rest| (last - rest).abs() <= SETTLED * change)
+}
+
+/// A channel at a time, interpolated linearly; none outside the record.
+fn interpolated(record: &Record, channel: &str, time: f64) -> Option<f64> {
+    super::quantities::interpolated(record.get(channel)?, record.interval?, time)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::calibration::quantities::{Chamber, Moment, Quantity};
+    use crate::calibration::shot::{Shot, assembly_of};
+    use crate::design::Design;
+
+    fn design(text: &str) -> Design {
+        let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/over.toml");
+        Design::parse(&format!("base = \"n80cb.toml\"\n{text}"), beside).unwrap()
+    }
+
+    fn figure(assembly: &Assembly, name: &str) -> AssemblyQuantity {
+        AssemblyQuantity::Figure(figures(assembly).into_iter().find(|own| own.name == name).unwrap())
+    }
+
+    #[test]
+    fn the_n80cb_as_an_assembly_is_measured_as_its_keys_are() {
+        let (keys, own) = (design(""), design("[cycle]\nassembly = \"n80cb\""));
+        let assembly = assembly_of(&own).unwrap().unwrap();
+        let end = keys.analysis.cycle_end;
+        let shots = [&keys, &own].map(|design| Shot::of(design, end).unwrap());
+        let interval = |from: &str, to: &str| AssemblyQuantity::Interval {
+            from: from.to_owned(),
+            to: to.to_owned(),
+        };
+        let at_impact = |volume: &str| AssemblyQuantity::Pressure {
+            volume: volume.to_owned(),
+            at: AssemblyMoment::Event("t9".to_owned()),
+        };
+        let pairs = [
+            (Quantity::Interval { from: 6, to: 9 }, interval("t6", "t9")),
+            (Quantity::Interval { from: 0, to: 6 }, interval(START, "t6")),
+            (Quantity::SpeedBeforeImpact, figure(&assembly, "speed_before_nail")),
+            (
+                Quantity::PistonTravel(Moment::Time(8e-3)),
+                AssemblyQuantity::Travel {
+                    body: "piston".to_owned(),
+                    at: AssemblyMoment::Time(8e-3),
+                },
+            ),
+            (
+                Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9)),
+                at_impact("above_piston"),
+            ),
+            (
+                Quantity::PeakPressure(Chamber::Return),
+                AssemblyQuantity::PeakPressure {
+                    volume: "return_volume".to_owned(),
+                },
+            ),
+        ];
+        for (of_keys, of_assembly) in pairs {
+            let [expected, found] = [
+                (of_keys, &shots[0], &keys),
+                (Quantity::OfAssembly(of_assembly), &shots[1], &own),
+            ]
+            .map(|(own, shot, design)| own.predict(shot, &design.ambient, end).value());
+            assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
+        }
+        let depth = figure(&assembly, "nail_depth").predict_in(&shots[1], &own);
+        let head = Quantity::HeadDepth.predict(&shots[0], &keys.ambient, end).value();
+        assert!((depth - keys.nail.length - head).abs() < 1e-6, "{depth} {head}");
+        assert_eq!(shots[0].outcome(), shots[1].outcome());
+    }
+
+    impl AssemblyQuantity {
+        fn predict_in(&self, shot: &Shot, design: &Design) -> f64 {
+            Quantity::OfAssembly(self.clone())
+                .predict(shot, &design.ambient, 0.0)
+                .value()
+        }
+    }
+
+    /// Air through the openings, and a bound where the chambers have not settled at the end of the record: before the
+    /// exhaust, and during it.
+    #[test]
+    fn air_of_a_shot_that_is_not_over_is_a_bound() {
+        let air = |text: &str| {
+            let own = design(&format!("[cycle]\nassembly = \"n80cb\"\n{text}"));
+            let assembly = assembly_of(&own).unwrap().unwrap();
+            let shot = Shot::of(&own, own.analysis.cycle_end).unwrap();
+            Quantity::OfAssembly(air_per_shot(&assembly).unwrap()).predict(&shot, &own.ambient, 0.0)
+        };
+        let Prediction::Value(whole) = air("finish = false\nend = \"300 ms\"") else {
+            panic!("the exhaust is over after 300 ms");
+        };
+        for (end, least) in [("30 ms", -1e-6), ("60 ms", 1e-5)] {
+            let Prediction::AtLeast(part) = air(&format!("finish = false\nend = \"{end}\"")) else {
+                panic!("the exhaust is not over after {end}");
+            };
+            assert!(part > least && part < 0.99 * whole, "{end}: {part} {whole}");
+        }
+    }
+}
