@@ -16,7 +16,7 @@ use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult,
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
-use crate::stages::cycle::{EngineRecord, EventTimes, EventWords, ShotRecord};
+use crate::stages::cycle::{Engine, EngineRecord, EventTimes, EventWords, ShotRecord};
 use crate::stages::microphones::{AtMicrophones, Microphones};
 use crate::stages::motion_bands::BodyBands;
 use crate::stages::notes::SourceNotes;
@@ -211,7 +211,13 @@ impl Chain {
                     Some(performance),
                 )
             }
-            EngineRecord::Assembly(_) => (None, inputs::notes::outcome_of_assembly(&record), None),
+            EngineRecord::Assembly(own) => {
+                let performance = match &self.engine {
+                    Engine::Assembly(cycle) => Some(Performance::of_assembly(own, &cycle.assembly, &design.ambient)),
+                    Engine::Keys(_) => None,
+                };
+                (None, inputs::notes::outcome_of_assembly(&record), performance)
+            }
         };
         let notes = notes::notes(
             &notes::NoteInputs {

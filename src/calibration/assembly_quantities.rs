@@ -11,6 +11,7 @@ use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELO
 
 use super::quantities::Spread;
 use crate::sensitivity::AssemblyOutput;
+use crate::stages::cycle::outflows;
 
 /// Groups of figures that can be measured; forces inside the tool cannot, and times are measured as intervals.
 const FIGURES: [&str; 3] = ["speed", "penetration", "masses"];
@@ -32,11 +33,11 @@ pub(super) enum AssemblyMoment {
 pub(super) enum AssemblyQuantity {
     /// A figure of the shot, such as `nail_depth` or `speed_before_nail`.
     Figure(AssemblyOutput),
-    /// Free air that leaves through all openings during one shot \[m3\].
+    /// Free air that leaves the tool during one shot \[m3\].
     AirPerShot {
-        /// Masses through the openings.
-        masses: Vec<AssemblyOutput>,
-        /// The volumes that discharge through them.
+        /// Balances of the mass that leaves, and their signs.
+        outflows: Vec<(String, f64)>,
+        /// The volumes that discharge through openings.
         volumes: Vec<String>,
     },
     /// Time between two events \[s\].
@@ -56,17 +57,9 @@ pub(super) fn figures(assembly: &Assembly) -> Vec<AssemblyOutput> {
     all
 }
 
-/// The air that leaves through all openings; none if the assembly has no opening.
+/// The air that leaves the tool; none without a passage to the surroundings.
 pub(super) fn air_per_shot(assembly: &Assembly) -> Option<AssemblyQuantity> {
-    let of_openings: BTreeSet<String> = assembly
-        .openings
-        .iter()
-        .map(|own| format!("{}_mass", own.name))
-        .collect();
-    let masses = AssemblyOutput::all(assembly).into_iter();
-    let masses: Vec<AssemblyOutput> = masses
-        .filter(|own| own.group == "masses" && of_openings.contains(&own.name))
-        .collect();
+    let outflows = outflows(assembly);
     let passages = assembly
         .openings
         .iter()
@@ -82,7 +75,7 @@ pub(super) fn air_per_shot(assembly: &Assembly) -> Option<AssemblyQuantity> {
         .into_iter()
         .map(|own| assembly.volumes[own].name.clone())
         .collect();
-    (!masses.is_empty()).then_some(AssemblyQuantity::AirPerShot { masses, volumes })
+    (!outflows.is_empty()).then_some(AssemblyQuantity::AirPerShot { outflows, volumes })
 }
 
 impl AssemblyQuantity {
@@ -185,8 +178,9 @@ impl AssemblyQuantity {
         };
         match self {
             Self::Figure(own) => known(own.of(record)),
-            Self::AirPerShot { masses, volumes } => {
-                let mass: Option<f64> = masses.iter().map(|own| own.of(record)).sum();
+            Self::AirPerShot { outflows, volumes } => {
+                let flows = outflows.iter();
+                let mass: Option<f64> = flows.map(|(name, sign)| Some(sign * record.integral(name)?)).sum();
                 let free = mass.map(|mass| mass * ambient.gas_constant * ambient.temperature / ambient.pressure);
                 match free {
                     Some(free) if !volumes.iter().all(|own| has_settled(record, own, ambient.pressure)) => {

@@ -164,9 +164,12 @@ impl QuantityReader<'_, '_, '_> {
                 volume: self.block(volumes, "volume")?,
             },
             "air_per_shot" => air_per_shot(assembly).ok_or_else(|| {
-                let help = "give the assembly an [opening], or leave out the measurement";
-                self.table
-                    .error("quantity", "needs an opening, which the assembly does not have", help)
+                let help = "leave out the measurement";
+                self.table.error(
+                    "quantity",
+                    "needs a passage to the surroundings, which the assembly does not have",
+                    help,
+                )
             })?,
             _ => {
                 let figure = figures(assembly).into_iter().find(|own| own.name == name);

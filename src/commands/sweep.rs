@@ -208,9 +208,9 @@ const PERFORMANCE: [&str; 4] = [
 fn performance(point: &SweptPoint) -> [String; 4] {
     let own = point.performance;
     let all = [
-        own.map(|own| own.head_depth_m),
+        own.and_then(|own| own.head_depth_m),
         own.and_then(|own| own.energy_left_j),
-        own.map(|own| own.air_m3),
+        own.and_then(|own| own.air_m3),
         own.and_then(|own| own.shots_per_second),
     ];
     all.map(|value| value.map_or_else(String::new, |value| format!("{value:.6e}")))

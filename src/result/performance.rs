@@ -1,21 +1,26 @@
 //! Performance and consumption of a shot, which show the costs of quieting a tool.
 
-use nailnoise_dynamics::{Crossing, CycleRecord, Parameters};
+use nailnoise_dynamics::network::assembly::Fastener;
+use nailnoise_dynamics::network::{Assembly, Record};
+use nailnoise_dynamics::{Ambient, Crossing, CycleRecord, Parameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::stages::cycle::outflows;
 
 /// Energy reserve, air consumption and rate of a shot.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Performance {
-    /// Depth of the nail's head below the surface \[m\]; negative if it protrudes.
-    pub head_depth_m: f64,
+    /// Depth of the nail's head below the surface \[m\]; negative if it protrudes, null for a tool without a fastener.
+    pub head_depth_m: Option<f64>,
     /// Kinetic energy of the piston when the nail has penetrated its own length, which is the energy left at flush
     /// \[J\]; null if the nail is not driven that far.
     pub energy_left_j: Option<f64>,
-    /// Air that leaves the tool, as a volume at ambient pressure and temperature \[m3\].
-    pub air_m3: f64,
+    /// Air that leaves the tool, as a volume at ambient pressure and temperature \[m3\]; null for a tool from which no
+    /// passage leads to the surroundings.
+    pub air_m3: Option<f64>,
     /// Maximum number of shots per second: the reciprocal of the time from the trigger until the piston rests on the
-    /// stop again \[Hz\]; null if it does not come to rest.
+    /// stop again, for an assembly until the event `finish` \[Hz\]; null if that does not occur.
     pub shots_per_second: Option<f64>,
 }
 
@@ -29,10 +34,31 @@ impl Performance {
         let air = summary.exhaust_mass + summary.vent_mass + summary.leak_mass;
         let ambient = &parameters.ambient;
         Self {
-            head_depth_m: summary.head_depth,
+            head_depth_m: Some(summary.head_depth),
             energy_left_j: flush.map(|state| kinetic(state.piston_velocity + state.tool_velocity)),
-            air_m3: air * ambient.gas_constant * ambient.temperature / ambient.pressure,
+            air_m3: Some(volume(air, ambient)),
             shots_per_second: record.events.t18.map(f64::recip),
+        }
+    }
+
+    /// The performance of an assembly's shot: that of its first fastener, of all flows to the surroundings, and of the
+    /// event after which its record ends.
+    pub fn of_assembly(record: &Record, assembly: &Assembly, ambient: &Ambient) -> Self {
+        let outflows = outflows(assembly);
+        let air: Option<f64> = outflows
+            .iter()
+            .map(|(name, sign)| Some(sign * record.integral(name)?))
+            .sum();
+        let finish = assembly.finish.as_ref().and_then(|own| assembly.events.get(own.event));
+        let fastener = assembly.fasteners.first();
+        Self {
+            head_depth_m: fastener.and_then(|own| {
+                let deepest = record.get(&format!("{}.deepest", own.name))?.last()?;
+                Some(deepest - own.length)
+            }),
+            energy_left_j: fastener.and_then(|own| energy_at_flush(record, assembly, own)),
+            air_m3: air.filter(|_| !outflows.is_empty()).map(|mass| volume(mass, ambient)),
+            shots_per_second: finish.and_then(|event| record.event(&event.name)).map(f64::recip),
         }
     }
 
@@ -44,9 +70,9 @@ impl Performance {
             unit,
         };
         [
-            figure(HEAD_DEPTH, Some(1e3 * self.head_depth_m), "mm", 1),
+            figure(HEAD_DEPTH, self.head_depth_m.map(|depth| 1e3 * depth), "mm", 1),
             figure("energy left at flush", self.energy_left_j, "J", 1),
-            figure("air a shot", Some(1e3 * self.air_m3), "L", 2),
+            figure("air a shot", self.air_m3.map(|air| 1e3 * air), "L", 2),
             figure("shots a second at most", self.shots_per_second, "", 1),
         ]
     }
@@ -58,10 +84,27 @@ impl Performance {
         let rate = self
             .shots_per_second
             .map(|rate| format!("at most {rate:.1} shots a second"));
-        let air = format!("{:.2} L of air a shot", 1e3 * self.air_m3);
-        let all = [Some(head(self.head_depth_m)), left, Some(air), rate];
+        let air = self.air_m3.map(|air| format!("{:.2} L of air a shot", 1e3 * air));
+        let all = [self.head_depth_m.map(head), left, air, rate];
         all.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
+}
+
+/// Volume of a mass of air at ambient pressure and temperature \[m3\].
+fn volume(mass: f64, ambient: &Ambient) -> f64 {
+    mass * ambient.gas_constant * ambient.temperature / ambient.pressure
+}
+
+/// Kinetic energy of the body that drives a fastener when the tip has penetrated the fastener's length \[J\].
+fn energy_at_flush(record: &Record, assembly: &Assembly, fastener: &Fastener) -> Option<f64> {
+    let driver = assembly.bodies.get(fastener.driver)?;
+    let depth = record.get(&format!("{}.deepest", fastener.name))?;
+    let velocity = record.get(&format!("{}.velocity", driver.name))?;
+    let after = depth.iter().position(|depth| *depth > fastener.length)?;
+    let before = after.checked_sub(1)?;
+    let share = (fastener.length - depth[before]) / (depth[after] - depth[before]);
+    let speed = velocity[before] + share * (velocity[after] - velocity[before]);
+    Some(0.5 * driver.mass * speed * speed)
 }
 
 const HEAD_DEPTH: &str = "head below the surface";
@@ -104,8 +147,8 @@ mod tests {
     #[test]
     fn figures_that_do_not_exist_are_left_out() {
         let none = Performance {
-            head_depth_m: -0.012,
-            air_m3: 1.9e-3,
+            head_depth_m: Some(-0.012),
+            air_m3: Some(1.9e-3),
             ..Performance::default()
         };
         assert_eq!(none.in_words(), "head 12.0 mm proud, 1.90 L of air a shot");

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nailnoise_dynamics::Outcome;
+use nailnoise_dynamics::{Outcome, network};
 use serde::Serialize;
 
 use super::draws::common_draws;
@@ -14,6 +14,7 @@ use super::request::Request;
 use super::variables::without_sensors;
 use crate::chain::{self, Chain, Options};
 use crate::cost::{self, MemoryLimit};
+use crate::design::inputs;
 use crate::design::inputs::cycle::parameters;
 use crate::design::{Assignment, AssignmentError, Design, DesignError, Problem};
 use crate::error::Error;
@@ -270,11 +271,15 @@ struct Shot {
     headline: Option<Headline>,
 }
 
-/// The shot of a design with these levels; a headline only if it does not drive with the coupling of the design. An
-/// assembly has neither.
+/// The shot of a design with these levels; a headline only if the tool of the keys does not drive with the coupling of
+/// the design.
 fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
-    if design.assembly().is_some() {
-        return Ok(Shot::default());
+    if let Some(cycle) = inputs::assembly::cycle(design)? {
+        let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
+        return Ok(Shot {
+            performance: Some(Performance::of_assembly(&record, &cycle.assembly, &design.ambient)),
+            headline: None,
+        });
     }
     let (record, parameters) = (chain::cycle(design)?, parameters(design)?);
     let missed = levels.outcome != Outcome::Drives.name();

@@ -41,6 +41,17 @@ fn the_n80cb_as_an_assembly_has_the_levels_of_its_keys() {
             (a, b) => assert_eq!(a, b, "{}", event.name),
         }
     }
+    let figures = |run: &Run| {
+        let own = run.result.performance.unwrap();
+        [own.head_depth_m, own.energy_left_j, own.air_m3, own.shots_per_second]
+    };
+    assert!(figures(&keys)[..3].iter().all(Option::is_some), "{:?}", figures(&keys));
+    for (of_keys, of_assembly) in figures(&keys).iter().zip(figures(&assembly)) {
+        match (of_keys, of_assembly) {
+            (Some(a), Some(b)) => assert!((b / a - 1.0).abs() < 2e-3, "{b} {a}"),
+            (a, b) => assert_eq!(*a, b),
+        }
+    }
 }
 
 #[test]

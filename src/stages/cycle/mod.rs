@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
-pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit};
+pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit, outflows};
 pub use of_keys::{EVENT_NAMES, event_times};
 pub use shot::{
     BORE, EngineRecord, EventTimes, EventWords, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures, event_in_words,

@@ -7,7 +7,9 @@
 use std::collections::BTreeMap;
 
 use nailnoise_dynamics::Body;
-use nailnoise_dynamics::network::assembly::{self, Base, Channel, Contact, Expression, Family, Quantity, Space};
+use nailnoise_dynamics::network::assembly::{
+    self, Base, Channel, Contact, Expression, Family, Passage, Quantity, Space,
+};
 use nailnoise_dynamics::network::{Assembly, FlowHistory, LoadHistory, Record};
 
 use super::of_keys::impulse_correction;
@@ -258,6 +260,22 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
         }
     }
     figures
+}
+
+/// Balances of the mass that leaves a tool for its surroundings, by name and sign: of passages from a volume to a
+/// reservoir, and of openings that are written the other way. What a supply hose fills in is not among them.
+pub(crate) fn outflows(assembly: &Assembly) -> Vec<(String, f64)> {
+    let passages = assembly.passages.iter().enumerate();
+    let outward = |(index, own): (usize, &Passage)| {
+        let is_opening = || assembly.openings.iter().any(|opening| opening.passage == index);
+        let sign = match (own.from, own.to) {
+            (Space::Volume(_), Space::Reservoir(_)) => 1.0,
+            (Space::Reservoir(_), Space::Volume(_)) if is_opening() => -1.0,
+            _ => return None,
+        };
+        Some((format!("mass.{}", own.name), sign))
+    };
+    passages.filter_map(outward).collect()
 }
 
 /// Mass that leaves through an opening's passage \[kg\].
