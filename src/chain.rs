@@ -20,11 +20,12 @@ use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
 use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::levels::{Levels, ShotLevels};
+use crate::stages::modal_efficiency::{BodyEfficiencies, EfficiencyMethod, ModalEfficiencies};
 use crate::stages::motion_bands::{BodyBands, MotionBands};
 use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
 use crate::stages::sensors::{SensorRecord, Sensors};
-use crate::stages::sound_fields::{Fields, SoundFields, ToolField};
+use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
 use crate::stages::spectra::MovingBody;
 use crate::stages::tool_response::ToolChecks;
 use crate::stages::transducers::{PressureRecord, Transducers};
@@ -90,6 +91,8 @@ pub struct Chain {
     pub(crate) structures: Vec<Digest>,
     /// Motion of the elastic bodies in third octaves.
     pub motion: Stored<Vec<BodyBands>>,
+    /// Radiation efficiencies of the modes: of workpiece and support, and of an elastic tool.
+    pub(crate) efficiencies: Vec<Stored<Vec<BodyEfficiencies>>>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
     /// Signals of the pressure transducers.
@@ -164,6 +167,7 @@ impl Chain {
         Ok(Self {
             engine: engine.clone(),
             motion: graph.add(MotionBands { bodies: shot.moving() }),
+            efficiencies: modal_efficiencies(&shot).map(|stage| graph.add(stage)).collect(),
             moving: shot.moving(),
             graph: graph.clone(),
             begin,
@@ -203,6 +207,40 @@ impl Chain {
     pub fn source_names(&self) -> impl Iterator<Item = &'static str> {
         self.sources.iter().map(|own| own.source.name())
     }
+}
+
+/// The radiation efficiencies of the modes: of workpiece and support, and of an elastic tool.
+fn modal_efficiencies(shot: &ShotStages<'_>) -> impl Iterator<Item = ModalEfficiencies> {
+    let air = shot.context.air;
+    let (radiators, loads) = (shot.radiators, || shot.radiators.workpiece_loads.clone());
+    let structure = shot.of_structure().map(|_| ModalEfficiencies {
+        method: match &radiators.workpiece.field {
+            FieldMethod::BoundaryElements(_, matrix) => EfficiencyMethod::BoundaryElements {
+                matrix: matrix.clone(),
+                loads: loads(),
+            },
+            FieldMethod::Rayleigh(..) => EfficiencyMethod::FlushTop { loads: loads() },
+            FieldMethod::Erp | FieldMethod::Absent => EfficiencyMethod::NotComputed {
+                reason: "the method of this source takes radiation efficiency 1",
+            },
+        },
+        bodies: shot.bodies.structure_bodies(),
+        air,
+    });
+    let tool = shot.bodies.tool.as_ref().map(|stages| ModalEfficiencies {
+        method: match &radiators.tool {
+            Some(tool) => EfficiencyMethod::BoundaryElements {
+                matrix: tool.whole.radiator.clone(),
+                loads: tool.loads.clone(),
+            },
+            None => EfficiencyMethod::NotComputed {
+                reason: "the method of this source is a sphere of its volume, without modes of its own",
+            },
+        },
+        bodies: vec![stages.body.clone()],
+        air,
+    });
+    structure.into_iter().chain(tool)
 }
 
 /// The sound fields of the bodies in a shot.

@@ -26,6 +26,7 @@ use serde_json::Value;
 
 use crate::design::Design;
 use crate::stages::headline::Headline;
+pub use crate::stages::modal_efficiency::{BodyEfficiencies, ModeEfficiency};
 
 pub use design_id::DesignId;
 pub use performance::Performance;
@@ -77,6 +78,9 @@ pub struct RunResult {
     /// complete one; absent unless the air's mass acts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fluid_loading_changes: Vec<FluidLoadingChange>,
+    /// Radiation efficiencies of the modes of each elastic body, each mode alone at its natural frequency; empty for
+    /// rigid bodies. Modes also radiate together, so that powers of single modes do not sum to that of the source.
+    pub radiation_efficiencies: Vec<BodyEfficiencies>,
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Starts>,

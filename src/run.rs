@@ -83,6 +83,7 @@ impl Chain {
     /// Everything that the result of a run reads.
     pub fn outputs(&self) -> Vec<&dyn Input<Error>> {
         let mut all: Vec<&dyn Input<Error>> = vec![&self.motion, &self.sensors];
+        all.extend(self.efficiencies.iter().map(|own| own as &dyn Input<Error>));
         all.extend(self.response_report.iter().map(|report| report as &dyn Input<Error>));
         all.extend(self.sources.iter().flat_map(SourceStages::outputs));
         all.extend(self.tool_report.iter().map(|report| report as &dyn Input<Error>));
@@ -187,6 +188,10 @@ impl Chain {
         let (motion, sensors) = (self.motion.get()?, self.sensors.get()?);
         let transducers = self.transducers.get()?;
         let tool = self.tool_report.as_ref().map(Stored::get).transpose()?;
+        let mut efficiencies = Vec::new();
+        for own in &self.efficiencies {
+            efficiencies.extend(own.get()?.iter().cloned());
+        }
         let starts = self.starts()?;
         let range_hz = [design.analysis.range_low, design.analysis.range_high];
         let fluid_loading_changes = self.fluid_loading_changes(range_hz)?;
@@ -296,6 +301,7 @@ impl Chain {
             event_words: EventWords::of(&record.events),
             coupling,
             fluid_loading_changes,
+            radiation_efficiencies: efficiencies,
             starts: starts.map(|(_, starts)| starts),
             sensors: sensors.iter().map(SensorRecord::level).collect(),
             transducers: transducers.iter().map(PressureRecord::range).collect(),

@@ -90,6 +90,7 @@ pub(super) fn with_pictures(graph: &Graph, design: &Design) -> Result<(Chain, St
     let chain = Chain::new(graph, design, Options::default())?;
     let pictures = graph.add(BodyPictures {
         moving: chain.moving.clone(),
+        efficiencies: chain.efficiencies.clone(),
         surroundings: inputs::exports::surroundings(design)?,
     });
     chain.check_bodies()?;

@@ -4,7 +4,7 @@ use super::table::{level, optional, table};
 use super::{File, Output, RunView};
 use crate::error::Error;
 use crate::model::sources;
-use crate::result::{ModeShare, RadiationReport};
+use crate::result::{ModeShare, RadiationReport, RunResult};
 
 /// Bands of each source whose power is evaluated twice, and modes of each source that vibrates.
 pub(super) const TABLES: Output = Output::files("radiation*.csv", |of| {
@@ -65,6 +65,7 @@ fn modes(of: &RunView<'_>, source: &str) -> Result<Vec<u8>, Error> {
         "added mass [-]",
         "frequency shift by it [Hz]",
         "share of A-weighted energy [-]",
+        "radiation efficiency alone [dB]",
     ];
     let rows = modes_of(of, source).iter().map(|m| {
         let number = m
@@ -81,7 +82,15 @@ fn modes(of: &RunView<'_>, source: &str) -> Result<Vec<u8>, Error> {
             m.added_mass.map_or_else(String::new, |mass| format!("{mass:.3e}")),
             optional(m.shift_hz, 3),
             format!("{:.4e}", m.share),
+            optional(efficiency_db(&of.run.result, m), 2),
         ]
     });
     table(header, rows)
+}
+
+/// Radiation efficiency of a mode alone \[dB\]; `None` for static corrections, and if it is not known.
+fn efficiency_db(result: &RunResult, share: &ModeShare) -> Option<f64> {
+    let bodies = &result.radiation_efficiencies;
+    let own = bodies.iter().find(|own| own.body == share.body)?;
+    own.of_mode(share.mode?.checked_sub(1)?)
 }

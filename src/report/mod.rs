@@ -50,8 +50,9 @@ use crate::optimisation::Optimisation;
 use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::cycle::SummaryFigures;
+use crate::stages::modal_efficiency::BodyEfficiencies;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
-use crate::stages::{Code, Postcard, Progress, Stage, code};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::study::{Axis, PairedStudy, StudyResult, SweptPoint};
 use crate::tables::cycle::figures as figures_of;
 use crate::tables::run as run_tables;
@@ -68,7 +69,7 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 21] = [
+const SHOWN: [&str; 22] = [
     "schema",
     "design",
     "inputs",
@@ -79,6 +80,7 @@ const SHOWN: [&str; 21] = [
     "headline",
     "cycle",
     "performance",
+    "radiation_efficiencies",
     "events",
     "event_words",
     "sensors",
@@ -108,6 +110,8 @@ pub struct Pictures {
 pub struct BodyPictures {
     /// The bodies.
     pub moving: Vec<MovingBody>,
+    /// Radiation efficiencies of their modes.
+    pub efficiencies: Vec<Stored<Vec<BodyEfficiencies>>>,
     /// Surroundings and supports of the bodies.
     pub surroundings: Surroundings,
 }
@@ -128,6 +132,7 @@ impl Stage for BodyPictures {
         stages_headline,
         stages_intervals,
         stages_microphones,
+        stages_modal_efficiency,
         stages_radiation,
         stages_response,
         stages_sensors,
@@ -141,8 +146,12 @@ impl Stage for BodyPictures {
 
     fn compute(&self, _: &Progress) -> Result<Pictures, Error> {
         let moving: Vec<BodyInMotion> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
-        let paint = |driven| ColouredSurface::new(&self.surroundings, driven);
-        let bodies: Vec<ColouredSurface<'_>> = moving.par_iter().map(paint).collect();
+        let efficiencies = all(&self.efficiencies)?;
+        let of_body = |name: &str| efficiencies.iter().flat_map(|own| &**own).find(|own| own.body == name);
+        let bodies: Vec<ColouredSurface<'_>> = moving
+            .par_iter()
+            .map(|driven| ColouredSurface::new(&self.surroundings, driven, of_body(driven.body.name)))
+            .collect();
         let (scene, modes) = rayon::join(
             || scene::figure(&bodies).map(Markup::into_string),
             || modes::section(&bodies).into_string(),

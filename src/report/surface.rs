@@ -17,6 +17,7 @@ use serde::Serialize;
 
 use crate::model::sources::of_body;
 use crate::stages::bodies::{Body, BodyKind};
+use crate::stages::modal_efficiency::BodyEfficiencies;
 use crate::stages::radiation::CoveredFaces;
 use crate::stages::spectra::BodyInMotion;
 
@@ -51,10 +52,16 @@ pub(super) struct ColouredSurface<'a> {
     pub(super) octaves: Vec<Option<Vec<f64>>>,
     /// A-weighted energy that each mode alone would radiate \[J\].
     pub(super) modes: Vec<f64>,
+    /// Radiation efficiencies of the modes.
+    pub(super) efficiencies: Option<&'a BodyEfficiencies>,
 }
 
 impl<'a> ColouredSurface<'a> {
-    pub(super) fn new(around: &Surroundings, driven: &'a BodyInMotion) -> Self {
+    pub(super) fn new(
+        around: &Surroundings,
+        driven: &'a BodyInMotion,
+        efficiencies: Option<&'a BodyEfficiencies>,
+    ) -> Self {
         let (body, spectra) = (&*driven.body, &driven.motion.spectra);
         let surface = &body.surface;
         // One point per face: the picture shows no finer detail, and a one-point rule exists for every shape.
@@ -123,11 +130,27 @@ impl<'a> ColouredSurface<'a> {
             whole,
             octaves,
             modes: alone.as_slice().to_vec(),
+            efficiencies,
         }
     }
 }
 
 impl ColouredSurface<'_> {
+    /// Level of a mode alone at radiation efficiency 1 \[dB re 1 pW s\]; `None` for silence.
+    pub(super) fn level_at_one(&self, mode: usize) -> Option<f64> {
+        level(self.modes[mode])
+    }
+
+    /// Radiation efficiency of a mode at its natural frequency \[dB\]; `None` if it is not known.
+    pub(super) fn efficiency_db(&self, mode: usize) -> Option<f64> {
+        self.efficiencies?.of_mode(mode)
+    }
+
+    /// Level of a mode alone with its own radiation efficiency \[dB re 1 pW s\]; `None` if that is not known.
+    pub(super) fn own_level(&self, mode: usize) -> Option<f64> {
+        Some(self.level_at_one(mode)? + self.efficiency_db(mode)?)
+    }
+
     /// The source of the body.
     pub(super) fn source(&self) -> &'static str {
         let kind = BodyKind::ALL.into_iter().find(|kind| kind.name() == self.body.name);

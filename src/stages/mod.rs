@@ -17,6 +17,7 @@ pub mod headline;
 pub mod intervals;
 pub mod levels;
 pub mod microphones;
+pub mod modal_efficiency;
 pub mod motion_bands;
 pub mod notes;
 pub mod outcomes;

@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 use crate::common::{design, folder, run as of, run_with_chain, small, store};
 use nailnoise::Design;
 use nailnoise::output::{outdated_fields, write_sound_fields};
-use nailnoise::result::{RadiationReport, RankedSource, ReceivedSource};
+use nailnoise::result::{BodyEfficiencies, RadiationReport, RankedSource, ReceivedSource};
 use nailnoise::run::Run;
 use nailnoise::stages::sound_fields::Fields;
 
@@ -58,6 +58,52 @@ fn modes_and_patches_sum_to_the_source() {
 fn a_body_smaller_than_the_wavelength_radiates_less_than_with_radiation_efficiency_1() {
     let deficit = deficit_at_100_hz(&BLOCK_ON_TABLE);
     assert!(deficit > 6.0, "{deficit} dB");
+}
+
+fn efficiencies<'a>(run: &'a Run, body: &str) -> &'a BodyEfficiencies {
+    let bodies = &run.result.radiation_efficiencies;
+    bodies.iter().find(|own| own.body == body).unwrap()
+}
+
+#[test]
+fn each_mode_of_block_and_table_has_the_efficiency_of_its_natural_frequency() {
+    for body in ["workpiece", "worktable"] {
+        let own = efficiencies(&BLOCK_ON_TABLE, body);
+        assert_eq!(own.method, "boundary elements");
+        let shares = radiation(&BLOCK_ON_TABLE).modes.iter();
+        let shares: Vec<_> = shares
+            .filter(|share| share.body == body && share.mode.is_some())
+            .collect();
+        assert_eq!(own.modes.len(), shares.len());
+        for (mode, share) in own.modes.iter().zip(shares) {
+            assert_eq!(Some(mode.mode), share.mode);
+            assert!((mode.hz - share.hz.unwrap()).abs() < 1e-9 * mode.hz.max(1.0));
+            // A mode without a natural frequency has no efficiency; all others radiate.
+            assert_eq!(mode.efficiency_db.is_some(), mode.hz > 1.0, "{mode:?}");
+        }
+    }
+}
+
+/// The first modes of the table bend its top, which is smaller than the waves in air. No mode exceeds the peak of a
+/// panel's efficiency at coincidence, 2.2 for modes with five half-waves (Wallace 1972), by more than 1 dB.
+#[test]
+fn slow_modes_of_the_table_radiate_little_and_fast_ones_about_as_much_as_with_radiation_efficiency_1() {
+    let modes = &efficiencies(&BLOCK_ON_TABLE, "worktable").modes;
+    let known = modes.iter().filter_map(|mode| Some((mode.hz, mode.efficiency_db?)));
+    let known: Vec<(f64, f64)> = known.collect();
+    println!("{known:?}");
+    let mean = |low: f64, high: f64| {
+        let inside: Vec<f64> = known
+            .iter()
+            .filter(|(hz, _)| (low..high).contains(hz))
+            .map(|(_, db)| *db)
+            .collect();
+        assert!(!inside.is_empty(), "no mode from {low} to {high} Hz");
+        inside.iter().sum::<f64>() / inside.len() as f64
+    };
+    let [slow, fast] = [mean(1.0, 150.0), mean(1000.0, 2000.0)];
+    assert!(slow < -6.0 && fast.abs() < 3.0, "{slow} dB, {fast} dB");
+    assert!(known.iter().all(|(_, db)| *db < 10.0 * 2.2f64.log10() + 1.0));
 }
 
 #[test]
@@ -369,6 +415,18 @@ fn with_radiation_efficiency_1_fields_show_velocities_only_and_a_note_states_why
     );
     let names: Vec<&str> = found.series.iter().map(|series| series.name.as_str()).collect();
     assert_eq!(names, ["velocity-workpiece", "velocity-worktable"]);
+}
+
+#[test]
+fn with_radiation_efficiency_1_no_mode_has_an_efficiency_of_its_own() {
+    let bodies = &EFFICIENCY_1.0.result.radiation_efficiencies;
+    assert_eq!(bodies.len(), 2);
+    for own in bodies {
+        assert!(
+            own.modes.is_empty() && own.method.starts_with("not computed: "),
+            "{own:?}"
+        );
+    }
 }
 
 #[test]

@@ -179,6 +179,70 @@ fn a_report_shows_six_modes() {
     assert_eq!(text().matches("alt=\"deflection of the ").count(), 6);
 }
 
+/// The rows of the table of the loudest modes, as the texts of their cells.
+fn loudest_modes(page: &str) -> Vec<Vec<String>> {
+    let section = between(page, "id=\"modes\"", "</section>")[0];
+    let table = between(section, "<tbody>", "</tbody>")[0];
+    let text = |cell: &str| {
+        let cell = cell.split_once('>').map_or(cell, |(_, text)| text);
+        cell.replace('\u{2212}', "-")
+    };
+    let row = |row: &str| {
+        let row = row.replace("<th", "<td").replace("</th>", "</td>");
+        between(&row, "<td", "</td>").into_iter().map(text).collect()
+    };
+    between(table, "<tr", "</tr>").into_iter().map(row).collect()
+}
+
+#[test]
+fn without_radiation_efficiencies_modes_are_placed_by_their_level_at_radiation_efficiency_1() {
+    let rows = loudest_modes(&REPORT.0);
+    assert_eq!(rows.len(), 15);
+    assert!(rows.iter().all(|row| row[3] == "-" && row[4] == "-"), "{rows:?}");
+    let levels: Vec<f64> = rows.iter().map(|row| row[5].parse().unwrap()).collect();
+    assert!(levels.is_sorted_by(|a, b| a >= b), "{levels:?}");
+    assert!(text().contains("not computed: the method of this source takes radiation efficiency 1"));
+}
+
+#[test]
+fn with_boundary_elements_modes_are_placed_by_the_level_with_their_own_radiation_efficiency() {
+    let out = folder("report-bem");
+    let output = nailnoise(
+        None,
+        &["run", "tests/data/small-bem.toml", "--out", out.to_str().unwrap()],
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows = loudest_modes(&fs::read_to_string(out.join("report.html")).unwrap());
+    assert_eq!(rows.len(), 15);
+    let number = |text: &str| text.parse::<f64>().ok();
+    let mut changed = 0;
+    let mut levels = Vec::new();
+    for row in &rows {
+        let [own, efficiency, at_one] = [3, 4, 5].map(|column| number(&row[column]));
+        levels.push(own.or(at_one).unwrap());
+        if let Some(own) = own {
+            // Each of the three is rounded to 0.1 dB.
+            let sum = at_one.unwrap() + efficiency.unwrap();
+            assert!((own - sum).abs() < 0.151, "{row:?}");
+            changed += usize::from((own - at_one.unwrap()).abs() > 0.5);
+        }
+    }
+    assert!(levels.is_sorted_by(|a, b| a >= b), "{levels:?}");
+    assert!(changed > 0, "{rows:?}");
+    let file = fs::read_to_string(out.join("radiation-modes.csv")).unwrap();
+    let header: Vec<&str> = file.lines().next().unwrap().split(',').collect();
+    let column = header
+        .iter()
+        .position(|name| name.contains("radiation efficiency alone [dB]"));
+    let result: Value = serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    let first = file.lines().find(|line| line.starts_with("worktable,7,")).unwrap();
+    let in_file: f64 = first.split(',').nth(column.unwrap()).unwrap().parse().unwrap();
+    let bodies = list(&result, "radiation_efficiencies");
+    let table = bodies.iter().find(|own| own["body"] == "worktable").unwrap();
+    let in_result = table["modes"][6]["efficiency_db"].as_f64().unwrap();
+    assert!((in_file - in_result).abs() < 0.0051, "{in_file} {in_result}");
+}
+
 /// The energy per area of the view in space, over the free faces, is the ERP of the ranking.
 #[test]
 fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
