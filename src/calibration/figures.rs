@@ -1,4 +1,4 @@
-//! Figures of the shot that a calibration states before and after, of the tool of the keys or of a design's own assembly.
+//! Figures of the shot that a calibration states before and after, of the tool of the keys or of an own assembly.
 
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_dynamics::network::Assembly;
