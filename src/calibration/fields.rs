@@ -7,7 +7,7 @@ use nailnoise_quantities::{Dimension, measure};
 use toml::de::DeValue;
 
 use super::measurements::Condition;
-use super::quantities::Spread;
+use super::spread::Spread;
 
 /// Largest number of shots per measurement.
 pub(super) const MOST_SHOTS: usize = 100_000;

@@ -11,7 +11,7 @@ use super::fields::{
 use super::level_bands::band;
 use super::level_quantities::{LevelQuantity, NAMES, Position, STANDARD_GRAVITY};
 use super::measurements::{Condition, InstrumentError, MeasuredLevel};
-use super::quantities::Spread;
+use super::spread::Spread;
 use crate::design::inputs;
 use crate::model::sources;
 

@@ -28,6 +28,7 @@ mod reader;
 mod result;
 mod shot;
 mod shown;
+mod spread;
 mod start;
 mod structures;
 mod tool;

@@ -14,8 +14,9 @@ use serde::Serialize;
 
 use super::assembly_quantities::{self, AssemblyQuantity};
 use super::level_quantities::{LevelQuantity, Position};
-use super::quantities::{Chamber, Moment, Quantity, Spread};
+use super::quantities::{Chamber, Moment, Quantity};
 use super::shot::{Shot, assembly_of};
+use super::spread::Spread;
 use super::tool::Tool;
 use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;

@@ -6,7 +6,8 @@ use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{LENGTH, PRESSURE, TIME, VELOCITY, VOLUME};
 
 use super::assembly_quantities::AssemblyQuantity;
-use super::shot::Shot;
+use super::shot::{Shot, interpolated};
+use super::spread::Spread;
 
 /// Events whose times a user can state: t0 to t18.
 const EVENTS: usize = 19;
@@ -109,20 +110,6 @@ pub(super) const NAMES: [&str; 9] = [
 
 /// Names of quantities that a later version may support.
 pub(super) const NOT_BUILT: [&str; 2] = ["mode", "loss_factor"];
-
-/// An error of the model, or the scatter of repeats: a fraction of the measured value plus an amount in its unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spread {
-    pub(super) share: f64,
-    pub(super) amount: f64,
-}
-
-impl Spread {
-    /// The standard deviation at a value.
-    pub(super) fn at(self, value: f64) -> f64 {
-        self.share * value.abs() + self.amount
-    }
-}
 
 /// Groups of predictions with a common model error.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -327,14 +314,6 @@ impl Quantity {
             }
         }
     }
-}
-
-/// A history with a sampling interval at a given time, interpolated linearly; none outside the record.
-pub(super) fn interpolated(values: &[f64], interval: f64, time: f64) -> Option<f64> {
-    let place = time / interval;
-    let index = place.floor().max(0.0) as usize;
-    let (low, high) = (values.get(index)?, values.get(index + 1).or(values.get(index))?);
-    Some(low + (high - low) * (place - index as f64))
 }
 
 #[cfg(test)]

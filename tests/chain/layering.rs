@@ -179,7 +179,11 @@ fn stages_use_neither_store_nor_graph_nor_commands() {
 
 /// Quoted names of sources that mean something else, by file and name: keys of designs, bodies, headings, labels.
 const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
-    ("src/calibration/reader.rs", &["body"], "a key of a measurement"),
+    (
+        "src/calibration/quantity_reader.rs",
+        &["body"],
+        "a key of a measurement, a block",
+    ),
     ("src/commands/assembly/check.rs", &["body"], "a heading"),
     ("src/commands/check.rs", &["body"], "an argument"),
     ("src/commands/explain.rs", &["body"], "a heading"),

@@ -8,7 +8,6 @@ mod state;
 mod trajectory;
 
 use stability::Stability;
-use trajectory::Stretch;
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::ode_solver::state::StateCommon;
@@ -384,7 +383,8 @@ impl<'p> Run<'p> {
                 y.copy_from_slice(scratch.batch_as_slice(0));
                 Ok(())
             };
-            let Stretch { used, mut event } = self.stretch(from, to, &mut at)?;
+            let stretch = self.stretch(from, to, &mut at)?;
+            let (used, mut event) = (stretch.used, stretch.event);
             if self.recording {
                 self.note_levels(from, used, &mut at)?;
             }
