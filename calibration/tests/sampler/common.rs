@@ -1,5 +1,7 @@
 //! Models with known posteriors, and their runs.
 
+use std::borrow::Cow;
+
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::{Datum, ErrorLaw, Likelihood, Prediction, Reading};
 use nailnoise_calibration::normal;
@@ -19,7 +21,7 @@ impl<F: Fn(&[f64]) -> Vec<f64> + Sync> Simulator for Model<F> {
         self.variables
     }
 
-    fn predict(&self, z: &[f64], _: usize) -> Result<Vec<Prediction>, &'static str> {
+    fn predict(&self, z: &[f64], _: usize) -> Result<Vec<Prediction>, Cow<'static, str>> {
         Ok((self.function)(z).into_iter().map(Prediction::Value).collect())
     }
 }
