@@ -69,7 +69,7 @@ fn efficiencies<'a>(run: &'a Run, body: &str) -> &'a BodyEfficiencies {
 fn each_mode_of_block_and_table_has_the_efficiency_of_its_natural_frequency() {
     for body in ["workpiece", "worktable"] {
         let own = efficiencies(&BLOCK_ON_TABLE, body);
-        assert_eq!(own.method, "boundary elements");
+        assert!(own.method.starts_with("boundary elements, above "), "{own:?}");
         let shares = radiation(&BLOCK_ON_TABLE).modes.iter();
         let shares: Vec<_> = shares
             .filter(|share| share.body == body && share.mode.is_some())
@@ -101,7 +101,8 @@ fn slow_modes_of_the_table_radiate_little_and_fast_ones_about_as_much_as_with_ra
         assert!(!inside.is_empty(), "no mode from {low} to {high} Hz");
         inside.iter().sum::<f64>() / inside.len() as f64
     };
-    let [slow, fast] = [mean(1.0, 150.0), mean(1000.0, 2000.0)];
+    // Both are in the range of boundary elements or of the change to their limit.
+    let [slow, fast] = [mean(1.0, 150.0), mean(500.0, 650.0)];
     assert!(slow < -6.0 && fast.abs() < 3.0, "{slow} dB, {fast} dB");
     assert!(known.iter().all(|(_, db)| *db < 10.0 * 2.2f64.log10() + 1.0));
 }

@@ -185,7 +185,7 @@ fn loudest_modes(page: &str) -> Vec<Vec<String>> {
     let table = between(section, "<tbody>", "</tbody>")[0];
     let text = |cell: &str| {
         let cell = cell.split_once('>').map_or(cell, |(_, text)| text);
-        cell.replace('\u{2212}', "-")
+        cell.replace(['\u{2212}', '\u{2013}'], "-")
     };
     let row = |row: &str| {
         let row = row.replace("<th", "<td").replace("</th>", "</td>");
