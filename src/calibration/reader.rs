@@ -452,10 +452,16 @@ impl Of<'_, '_, '_> {
         table.only(&MEASURED)?;
         let condition = condition_of(table, self.conditions)?;
         let quantity = reader.quantity()?;
-        let of_design = self.conditions[condition].design.analysis.cycle_end;
+        let (of_design, key) = match self.assembly {
+            Some(own) => (own.end, "cycle.end"),
+            None => (
+                self.conditions[condition].design.analysis.cycle_end,
+                "analysis.cycle_end",
+            ),
+        };
         if let Some(time) = quantity.time().filter(|time| *time > quantity.end(of_design)) {
             let problem = format!("is {time} s, after the end of the record at {of_design} s");
-            return Err(table.error("at", problem, "give an earlier time, or raise `analysis.cycle_end`"));
+            return Err(table.error("at", problem, format!("give an earlier time, or raise `{key}`")));
         }
         let dimension = quantity.dimension();
         let repeats = self.repeats(&quantity, &self.conditions[condition])?;

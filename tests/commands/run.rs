@@ -291,10 +291,10 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(run(&[]).0, anew);
     assert_eq!(
         entries(),
-        21,
+        22,
         "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, motion \
-         in bands, two sources, sensors, checks, pictures and fields of the bodies, checksums of their files, files of \
-         the run"
+         in bands, two sources, radiation efficiencies, sensors, checks, pictures and fields of the bodies, checksums \
+         of their files, files of the run"
     );
     assert_eq!(run(&[]).0, anew);
     for entry in std::fs::read_dir(&cache).unwrap() {
@@ -306,7 +306,7 @@ fn results_do_not_depend_on_the_cache() {
     }
     let (repaired, notes) = run(&[]);
     assert_eq!(repaired, anew);
-    assert_eq!(notes.matches("computed anew").count(), 21, "{notes}");
+    assert_eq!(notes.matches("computed anew").count(), 22, "{notes}");
     assert_eq!(run(&[]).1.matches("computed anew").count(), 0);
 }
 
