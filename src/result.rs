@@ -30,7 +30,7 @@ pub use crate::stages::modal_efficiency::{BodyEfficiencies, ModeEfficiency};
 
 pub use design_id::DesignId;
 pub use performance::Performance;
-pub(crate) use performance::{PerformanceFigure, pressures};
+pub(crate) use performance::{PerformanceFigure, free_air, free_volume, pressures};
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.

@@ -9,8 +9,9 @@ use nailnoise_dynamics::network::{Assembly, Record};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELOCITY, VOLUME};
 
-use super::shot;
-use super::spread::Spread;
+use super::shot::interpolated;
+use super::spread::{self, Spread};
+use crate::result::free_air;
 use crate::sensitivity::AssemblyOutput;
 use crate::stages::cycle::outflows;
 
@@ -128,25 +129,23 @@ impl AssemblyQuantity {
     /// Model error: that of the same kind of quantity of the tool of the keys, of which measurements exist. Intervals
     /// and pressures have the largest of their kind, because nobody has compared this tool with measurements.
     pub(super) fn discrepancy(&self) -> Spread {
-        let [share, amount] = match self {
-            Self::Figure(own) if own.unit == "m" => [0.05, 1e-3],
-            Self::Figure(_) => [0.05, 0.0],
-            Self::AirPerShot { .. } => [0.04, 0.0],
-            Self::Interval { .. } => [0.05, 1e-4],
-            Self::Travel { .. } => [0.05, 1e-3],
-            Self::Pressure { .. } | Self::PeakPressure { .. } => [0.08, 0.0],
-        };
-        Spread { share, amount }
+        match self {
+            Self::Figure(own) if own.unit == "m" => spread::LENGTH_ERROR,
+            Self::Figure(_) => spread::SPEED_ERROR,
+            Self::AirPerShot { .. } => spread::GAS_ERROR,
+            Self::Interval { .. } => Spread::new(0.05, 1e-4),
+            Self::Travel { .. } => spread::LENGTH_ERROR,
+            Self::Pressure { .. } | Self::PeakPressure { .. } => spread::PRESSURE_ABOVE_ERROR,
+        }
     }
 
     /// Scatter of repeated shots, if the file does not state it.
     pub(super) fn scatter(&self) -> Spread {
-        let [share, amount] = match self {
-            Self::Figure(own) if own.unit == "m" => [0.0, 1.5e-3],
-            Self::AirPerShot { .. } | Self::Pressure { .. } | Self::PeakPressure { .. } => [0.01, 0.0],
-            _ => [0.03, 0.0],
-        };
-        Spread { share, amount }
+        match self {
+            Self::Figure(own) if own.unit == "m" => spread::DEPTH_SCATTER,
+            Self::AirPerShot { .. } | Self::Pressure { .. } | Self::PeakPressure { .. } => spread::GAS_SCATTER,
+            _ => spread::OTHER_SCATTER,
+        }
     }
 
     /// The group of predictions with which it shares part of its model error.
@@ -175,21 +174,17 @@ impl AssemblyQuantity {
                 AssemblyMoment::Event(name) => event(name),
                 AssemblyMoment::Time(time) => Some(*time),
             };
-            known(time.and_then(|time| interpolated(record, &channel, time)))
+            let value = |time| interpolated(record.get(&channel)?, record.interval?, time);
+            known(time.and_then(value))
         };
         match self {
             Self::Figure(own) => known(own.of(record)),
-            Self::AirPerShot { outflows, volumes } => {
-                let flows = outflows.iter();
-                let mass: Option<f64> = flows.map(|(name, sign)| Some(sign * record.integral(name)?)).sum();
-                let free = mass.map(|mass| mass * ambient.gas_constant * ambient.temperature / ambient.pressure);
-                match free {
-                    Some(free) if !volumes.iter().all(|own| has_settled(record, own, ambient.pressure)) => {
-                        Prediction::AtLeast(free)
-                    }
-                    other => known(other),
+            Self::AirPerShot { outflows, volumes } => match free_air(record, outflows, ambient) {
+                Some(free) if !volumes.iter().all(|own| has_settled(record, own, ambient.pressure)) => {
+                    Prediction::AtLeast(free)
                 }
-            }
+                other => known(other),
+            },
             Self::Interval { from, to } => match (event(from), event(to)) {
                 (Some(from), Some(to)) => Prediction::Value(to - from),
                 (Some(from), None) => Prediction::AtLeast(record.end - from),
@@ -219,11 +214,6 @@ fn has_settled(record: &Record, volume: &str, ambient: f64) -> bool {
     [*first, ambient]
         .iter()
         .any(|rest| (last - rest).abs() <= SETTLED * change)
-}
-
-/// A channel at a time, interpolated linearly; none outside the record.
-fn interpolated(record: &Record, channel: &str, time: f64) -> Option<f64> {
-    shot::interpolated(record.get(channel)?, record.interval?, time)
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ impl Figure {
         }
     }
 
-    fn of_keys(own: &OfKeys) -> Self {
+    fn of_keys(own: &KeysFigure) -> Self {
         Self {
             name: own.name.to_owned(),
             unit: own.unit,
@@ -64,50 +64,50 @@ impl Figure {
 }
 
 /// A figure of a shot of the tool of the keys.
-struct OfKeys {
+struct KeysFigure {
     name: &'static str,
     unit: &'static str,
     of: fn(&CycleRecord) -> Option<f64>,
 }
 
 /// Figures of the shot that determine the sources: speed, energy and force for the workpiece, flow for the exhaust.
-const OF_KEYS: [OfKeys; 8] = [
-    OfKeys {
+const OF_KEYS: [KeysFigure; 8] = [
+    KeysFigure {
         name: "speed before impact",
         unit: "m/s",
         of: |own| own.summary.speed_before_impact,
     },
-    OfKeys {
+    KeysFigure {
         name: "mean drive speed",
         unit: "m/s",
         of: |own| own.summary.mean_drive_speed,
     },
-    OfKeys {
+    KeysFigure {
         name: "head depth",
         unit: "m",
         of: |own| Some(own.summary.head_depth),
     },
-    OfKeys {
+    KeysFigure {
         name: "energy left at full depth",
         unit: "J",
         of: energy_left,
     },
-    OfKeys {
+    KeysFigure {
         name: "peak penetration force",
         unit: "N",
         of: |own| Some(own.summary.peak_penetration_force),
     },
-    OfKeys {
+    KeysFigure {
         name: "air through the exhaust",
         unit: "kg",
         of: |own| Some(own.summary.exhaust_mass),
     },
-    OfKeys {
+    KeysFigure {
         name: "peak exhaust flow",
         unit: "kg/s",
         of: |own| largest(&own.exhaust.mass_flow),
     },
-    OfKeys {
+    KeysFigure {
         name: "peak return pressure",
         unit: "Pa",
         of: |own| largest(&own.return_volume.pressure),

@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::assembly_quantities::{self, AssemblyQuantity};
 use super::level_quantities::{LevelQuantity, Position};
 use super::quantities::{Chamber, Moment, Quantity};
-use super::shot::{Shot, assembly_of};
+use super::shot::Shot;
 use super::spread::Spread;
 use super::tool::Tool;
 use crate::design::{Design, JointDraws, Value};
@@ -55,19 +55,26 @@ const fn amount(amount: f64) -> Spread {
     Spread { share: 0.0, amount }
 }
 
+/// Errors of one reading, and minutes of a measurement: of a depth, the air of a shot, a speed by film, a pressure by a
+/// transducer.
+const DEPTH: (Spread, f64) = (amount(0.2e-3), 10.0);
+const AIR: (Spread, f64) = (percent(4.0), 15.0);
+const SPEED: (Spread, f64) = (percent(2.0), 240.0);
+const PRESSURE: (Spread, f64) = (percent(2.0), 180.0);
+
 /// Usual measurements of a shot at the design's pressure. Depths are measured at the other pressures, too.
 static USUAL: [Usual; 9] = [
     Usual {
         name: Cow::Borrowed("head depth"),
         quantity: Quantity::HeadDepth,
-        error: amount(0.2e-3),
-        minutes: 10.0,
+        error: DEPTH.0,
+        minutes: DEPTH.1,
     },
     Usual {
         name: Cow::Borrowed("air per shot"),
         quantity: Quantity::AirPerShot,
-        error: percent(4.0),
-        minutes: 15.0,
+        error: AIR.0,
+        minutes: AIR.1,
     },
     Usual {
         name: Cow::Borrowed("trigger to valve opening"),
@@ -90,26 +97,26 @@ static USUAL: [Usual; 9] = [
     Usual {
         name: Cow::Borrowed("mean drive speed"),
         quantity: Quantity::MeanDriveSpeed,
-        error: percent(2.0),
-        minutes: 240.0,
+        error: SPEED.0,
+        minutes: SPEED.1,
     },
     Usual {
         name: Cow::Borrowed("peak pressure above the piston"),
         quantity: Quantity::PeakPressure(Chamber::AbovePiston),
-        error: percent(2.0),
-        minutes: 180.0,
+        error: PRESSURE.0,
+        minutes: PRESSURE.1,
     },
     Usual {
         name: Cow::Borrowed("peak pressure of the return volume"),
         quantity: Quantity::PeakPressure(Chamber::Return),
-        error: percent(2.0),
-        minutes: 180.0,
+        error: PRESSURE.0,
+        minutes: PRESSURE.1,
     },
     Usual {
         name: Cow::Borrowed("pressure above the piston at full depth"),
         quantity: Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9)),
-        error: percent(2.0),
-        minutes: 180.0,
+        error: PRESSURE.0,
+        minutes: PRESSURE.1,
     },
 ];
 
@@ -129,8 +136,8 @@ impl Usual {
 fn of_assembly(assembly: &Assembly) -> Vec<Usual> {
     let figures = assembly_quantities::figures(assembly).into_iter().filter_map(|own| {
         let (error, minutes) = match own.unit {
-            "m" => (amount(0.2e-3), 10.0),
-            "m/s" => (percent(2.0), 240.0),
+            "m" => DEPTH,
+            "m/s" => SPEED,
             _ => return None,
         };
         Some(Usual {
@@ -143,16 +150,16 @@ fn of_assembly(assembly: &Assembly) -> Vec<Usual> {
     let air = assembly_quantities::air_per_shot(assembly).map(|own| Usual {
         name: "air per shot".into(),
         quantity: Quantity::OfAssembly(own),
-        error: percent(4.0),
-        minutes: 15.0,
+        error: AIR.0,
+        minutes: AIR.1,
     });
     let pressures = assembly.volumes.iter().map(|own| Usual {
         name: format!("peak pressure of {}", own.name).into(),
         quantity: Quantity::OfAssembly(AssemblyQuantity::PeakPressure {
             volume: own.name.clone(),
         }),
-        error: percent(2.0),
-        minutes: 180.0,
+        error: PRESSURE.0,
+        minutes: PRESSURE.1,
     });
     figures.chain(air).chain(pressures).collect()
 }
@@ -266,7 +273,10 @@ impl Levelled<'_> {
         found.extend(sound.row(outputs, seed));
         progress.stage("shots that could be measured");
         let ambient = self.design.ambient.pressure;
-        let usual = self.usual()?;
+        let usual = match &self.tool.assembly {
+            Some(assembly) => of_assembly(assembly),
+            None => USUAL.to_vec(),
+        };
         for share in PRESSURES {
             let gauge = share * (self.design.supply.pressure - ambient);
             let shots = self.shots(ambient + gauge, &rows);
@@ -312,14 +322,6 @@ impl Levelled<'_> {
         }
         found.sort_by(|a, b| b.narrower_an_hour.total_cmp(&a.narrower_an_hour));
         Ok(found)
-    }
-
-    /// The usual measurements of the tool.
-    fn usual(&self) -> Result<Vec<Usual>, Error> {
-        Ok(match assembly_of(self.design)? {
-            Some(assembly) => of_assembly(&assembly),
-            None => USUAL.to_vec(),
-        })
     }
 
     /// Shots of rows at a pressure of the supply \[Pa\].

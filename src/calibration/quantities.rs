@@ -7,7 +7,8 @@ use nailnoise_quantities::dimension::{LENGTH, PRESSURE, TIME, VELOCITY, VOLUME};
 
 use super::assembly_quantities::AssemblyQuantity;
 use super::shot::{Shot, interpolated};
-use super::spread::Spread;
+use super::spread::{self, Spread};
+use crate::result::free_volume;
 
 /// Events whose times a user can state: t0 to t18.
 const EVENTS: usize = 19;
@@ -188,8 +189,8 @@ impl Quantity {
         }
     }
 
-    /// Whether it is the air of a shot.
-    pub(super) fn is_air(&self) -> bool {
+    /// Whether it is the air that a shot consumes.
+    pub(super) fn is_air_consumption(&self) -> bool {
         matches!(
             self,
             Self::AirPerShot | Self::OfAssembly(AssemblyQuantity::AirPerShot { .. })
@@ -202,19 +203,21 @@ impl Quantity {
     /// the law's own range as an input; pressures above the piston by 7.5 % rms. The values for depth, speed before
     /// impact and travel are estimates.
     pub(super) fn discrepancy(&self, value: f64) -> f64 {
-        let spread = |share: f64, amount: f64| Spread { share, amount }.at(value);
+        let share = |share: f64| Spread::new(share, 0.0).at(value);
         match self {
             Self::OfAssembly(own) => own.discrepancy().at(value),
-            Self::HeadDepth | Self::PistonTravel(_) => spread(0.05, 1e-3),
-            Self::AirPerShot => spread(0.04, 0.0),
-            Self::MeanDriveSpeed | Self::SpeedBeforeImpact => spread(0.05, 0.0),
+            Self::HeadDepth | Self::PistonTravel(_) => spread::LENGTH_ERROR.at(value),
+            Self::AirPerShot => spread::GAS_ERROR.at(value),
+            Self::MeanDriveSpeed | Self::SpeedBeforeImpact => spread::SPEED_ERROR.at(value),
             Self::Interval { from, to } if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(*event)) => {
-                spread(0.1, 0.0).max(2e-3)
+                share(0.1).max(2e-3)
             }
-            Self::Interval { to: DRIVEN, .. } => spread(0.05, 0.0),
-            Self::Interval { .. } => spread(0.03, 0.0).max(1e-4),
-            Self::Pressure(Chamber::AbovePiston, _) | Self::PeakPressure(Chamber::AbovePiston) => spread(0.08, 0.0),
-            Self::Pressure(..) | Self::PeakPressure(_) | Self::SupplyDrop => spread(0.04, 0.0),
+            Self::Interval { to: DRIVEN, .. } => share(0.05),
+            Self::Interval { .. } => share(0.03).max(1e-4),
+            Self::Pressure(Chamber::AbovePiston, _) | Self::PeakPressure(Chamber::AbovePiston) => {
+                spread::PRESSURE_ABOVE_ERROR.at(value)
+            }
+            Self::Pressure(..) | Self::PeakPressure(_) | Self::SupplyDrop => spread::GAS_ERROR.at(value),
         }
     }
 
@@ -222,9 +225,9 @@ impl Quantity {
     pub(super) fn scatter(&self, value: f64) -> f64 {
         match self {
             Self::OfAssembly(own) => own.scatter().at(value),
-            Self::HeadDepth => 1.5e-3,
-            Self::AirPerShot | Self::Pressure(..) | Self::PeakPressure(_) => 0.01 * value.abs(),
-            _ => 0.03 * value.abs(),
+            Self::HeadDepth => spread::DEPTH_SCATTER.at(value),
+            Self::AirPerShot | Self::Pressure(..) | Self::PeakPressure(_) => spread::GAS_SCATTER.at(value),
+            _ => spread::OTHER_SCATTER.at(value),
         }
     }
 
@@ -293,7 +296,7 @@ impl Quantity {
             Self::SpeedBeforeImpact => known(record.summary.speed_before_impact),
             Self::AirPerShot => {
                 let mass = record.summary.exhaust_mass + record.summary.vent_mass + record.summary.leak_mass;
-                let free = mass * ambient.gas_constant * ambient.temperature / ambient.pressure;
+                let free = free_volume(mass, ambient);
                 match events[17] {
                     Some(_) => Prediction::Value(free),
                     None => Prediction::AtLeast(free),

@@ -45,13 +45,13 @@ impl QuantityReader<'_, '_, '_> {
     /// The first invalid field, with its place and remedy.
     pub(super) fn quantity(&self) -> Result<Quantity, KeyError> {
         let table = self.table;
-        let example = format!("\"{}\"", self.names()[0]);
+        let names = self.names();
+        let example = format!("\"{}\"", names[0]);
         table.required("quantity", &example)?;
         let name = table.text("quantity", &example)?.unwrap_or_default();
         if NOT_BUILT.contains(&name) {
             return Err(self.not_built("quantity"));
         }
-        let names = self.names();
         let known = names.iter().map(String::as_str).chain(level_quantities::NAMES);
         place(table, "quantity", name, known, "quantity")?;
         let fields: &[&str] = match name {

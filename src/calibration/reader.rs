@@ -474,7 +474,7 @@ impl Of<'_, '_, '_> {
             quantity.scatter(repeats.typical)
         });
         // A sum over many shots is a single reading.
-        let is_sum = quantity.is_air() && repeats.shots > 1.0 && table.get("values").is_none();
+        let is_sum = quantity.is_air_consumption() && repeats.shots > 1.0 && table.get("values").is_none();
         let (own, repeated) = match is_sum {
             true => (own / repeats.shots, 1.0),
             false => (own, repeats.shots),
@@ -544,7 +544,11 @@ impl Of<'_, '_, '_> {
             });
         }
         let shots = table.count("shots", MOST_SHOTS)?.unwrap_or(1) as f64;
-        let of_one = if quantity.is_air() { 1.0 / shots } else { 1.0 };
+        let of_one = if quantity.is_air_consumption() {
+            1.0 / shots
+        } else {
+            1.0
+        };
         let reading = reading(table, [value, most, least], |own| of_one * own)?;
         let typical = match reading {
             Reading::Value(value) | Reading::AtMost(value) | Reading::AtLeast(value) => value,

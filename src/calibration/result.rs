@@ -450,7 +450,7 @@ fn row(posterior: &Posterior, measured: &Measurements, k: usize) -> MeasurementR
 fn bound_of(tool: &Tool, outcome: &str) -> String {
     let key = match outcome {
         "dry_fire" | "refused" | "solver_failure" | "no such event" => return String::new(),
-        _ if tool.is_assembly => return format!("; `cycle.outcome.{outcome}` defines it"),
+        _ if tool.assembly.is_some() => return format!("; `cycle.outcome.{outcome}` defines it"),
         "overdriven" => "nail.overdrive_limit",
         "strikes_bumper" => "piston.stroke",
         "underdriven" => "wood.resistance_scale",
@@ -530,7 +530,7 @@ fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
          diameters, masses) are drawn for the cycle"
             .to_owned(),
     );
-    if posterior.tool.is_assembly {
+    if posterior.tool.assembly.is_some() {
         notes.push(
             "the errors of the model are assumed as large as those of the built-in tool, which was compared with \
              measurements; state `discrepancy` where you know better"

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::{Datum, ErrorCorrelation, ErrorLaw, Likelihood, Prediction, SharedError};
+use nailnoise_dynamics::network::Assembly;
 use rayon::prelude::*;
 
 use super::error::CalibrationError;
@@ -61,8 +62,8 @@ pub(super) struct Tool {
     pub(super) conditions: Vec<Shots>,
     /// Figures of the design's own shot.
     pub(super) figures: Vec<Figure>,
-    /// Whether the design has its own assembly.
-    pub(super) is_assembly: bool,
+    /// The design's own assembly; none for the tool of the keys.
+    pub(super) assembly: Option<Assembly>,
 }
 
 impl Tool {
@@ -131,7 +132,7 @@ impl Tool {
             shared,
             conditions,
             figures: Figure::all(assembly.as_ref()),
-            is_assembly: assembly.is_some(),
+            assembly,
         })
     }
 

@@ -49,7 +49,7 @@ pub(super) fn title(painted: &ColouredSurface<'_>, mode: usize) -> String {
 }
 
 /// The level of a mode alone, with its own radiation efficiency if that is known.
-fn alone(painted: &ColouredSurface<'_>, mode: usize) -> String {
+fn level_text(painted: &ColouredSurface<'_>, mode: usize) -> String {
     match painted.own_level(mode) {
         Some(level) => format!("{} dB alone", decibels(Some(level))),
         None => format!(
@@ -116,7 +116,7 @@ pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
                     alt={ "deflection of the " (painted.body.name) " in mode " (mode + 1) ", " (name(painted, *mode)) };
                 figcaption {
                     (painted.body.name) ", mode " (mode + 1) ", " b { (name(painted, *mode)) } br;
-                    (alone(painted, *mode)) " "
+                    (level_text(painted, *mode)) " "
                     button.with-script.in-space type="button" data-mode=(place) { "Animate" }
                 }
             }

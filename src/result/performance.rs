@@ -36,7 +36,7 @@ impl Performance {
         Self {
             head_depth_m: Some(summary.head_depth),
             energy_left_j: flush.map(|state| kinetic(state.piston_velocity + state.tool_velocity)),
-            air_m3: Some(volume(air, ambient)),
+            air_m3: Some(free_volume(air, ambient)),
             shots_per_second: record.events.t18.map(f64::recip),
         }
     }
@@ -44,11 +44,6 @@ impl Performance {
     /// The performance of an assembly's shot: that of its first fastener, of all flows to the surroundings, and of the
     /// event after which its record ends.
     pub fn of_assembly(record: &Record, assembly: &Assembly, ambient: &Ambient) -> Self {
-        let outflows = outflows(assembly);
-        let air: Option<f64> = outflows
-            .iter()
-            .map(|(name, sign)| Some(sign * record.integral(name)?))
-            .sum();
         let finish = assembly.finish.as_ref().and_then(|own| assembly.events.get(own.event));
         let fastener = assembly.fasteners.first();
         Self {
@@ -57,7 +52,7 @@ impl Performance {
                 Some(deepest - own.length)
             }),
             energy_left_j: fastener.and_then(|own| energy_at_flush(record, assembly, own)),
-            air_m3: air.filter(|_| !outflows.is_empty()).map(|mass| volume(mass, ambient)),
+            air_m3: free_air(record, &outflows(assembly), ambient),
             shots_per_second: finish.and_then(|event| record.event(&event.name)).map(f64::recip),
         }
     }
@@ -90,8 +85,16 @@ impl Performance {
     }
 }
 
+/// Free air that leaves a tool by these balances and signs \[m3\]; `None` without a balance.
+pub(crate) fn free_air(record: &Record, outflows: &[(String, f64)], ambient: &Ambient) -> Option<f64> {
+    let masses = outflows.iter().map(|(name, sign)| Some(sign * record.integral(name)?));
+    let mass: Option<f64> = masses.sum();
+    mass.filter(|_| !outflows.is_empty())
+        .map(|mass| free_volume(mass, ambient))
+}
+
 /// Volume of a mass of air at ambient pressure and temperature \[m3\].
-fn volume(mass: f64, ambient: &Ambient) -> f64 {
+pub(crate) fn free_volume(mass: f64, ambient: &Ambient) -> f64 {
     mass * ambient.gas_constant * ambient.temperature / ambient.pressure
 }
 

@@ -179,7 +179,7 @@ fn a_report_shows_six_modes() {
     assert_eq!(text().matches("alt=\"deflection of the ").count(), 6);
 }
 
-/// The rows of the table of the loudest modes, as the texts of their cells.
+/// Rows of the table of the loudest modes: the text of each cell.
 fn loudest_modes(page: &str) -> Vec<Vec<String>> {
     let section = between(page, "id=\"modes\"", "</section>")[0];
     let table = between(section, "<tbody>", "</tbody>")[0];

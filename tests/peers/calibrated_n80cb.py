@@ -128,7 +128,7 @@ def page(result, file, arguments):
     if not result["conflicts"]:
         parts.append(
             wrapped(
-                f"No figure contradicts the others beyond the errors: {', '.join(used)} condition the draws."
+                f"The figures agree within their errors: {', '.join(used)} condition the draws."
             )
         )
     rows = ["| input | unit | before, 90 % | now, 90 % | ratio of widths |", "|---|---|---|---|---|"]
