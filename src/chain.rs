@@ -176,7 +176,7 @@ impl Chain {
             noise_seed: options.noise_seed,
             levels,
             transducers: graph.add(Transducers {
-                transducers: inputs::sensors::transducers(design),
+                transducers: inputs::sensors::transducers(design)?,
                 cycle: shot.cycle.clone(),
             }),
             fields: graph.add(sound_fields(&shot)),

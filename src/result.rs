@@ -572,8 +572,8 @@ pub struct SensorLevel {
 pub struct TransducerRange {
     /// Its name in the design.
     pub name: String,
-    /// Its chamber: `cylinder` or `return`.
-    pub chamber: &'static str,
+    /// Its chamber: `cylinder`, `return`, or a volume of the cycle.
+    pub chamber: String,
     /// Lowest reading \[Pa\].
     pub lowest_pa: f64,
     /// Highest reading \[Pa\].

@@ -233,6 +233,7 @@ impl Chain {
                 truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
                 ending: response.as_ref().map(|own| own.ending.as_str()),
                 idle_sensors: inputs::sensors::without_body(design),
+                idle_transducers: inputs::sensors::without_chamber(design)?,
                 limited_sensors: inputs::sensors::limited(design),
                 fitted_law: inputs::notes::fitted_law(design, &record)?,
                 landing_keys: inputs::assembly::landing_keys(design)?,

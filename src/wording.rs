@@ -68,6 +68,7 @@ pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
         _ if figure.starts_with("speed_") => "m/s",
         _ if figure.ends_with("_force") => "N",
         _ if figure.ends_with("_mass") => "kg",
+        _ if figure.ends_with("_depth") => "m",
         _ if figure.ends_with("_energy") => "J",
         _ => "",
     }

@@ -7,14 +7,29 @@ use nailnoise_dynamics::{CycleRecord, Method, Settings, simulate};
 
 use common::n80cb;
 
+/// The command's allocator.
+#[global_allocator]
+static MEMORY: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }
 
-#[divan::bench(args = [Method::Bdf, Method::Esdirk34])]
+#[divan::bench(args = [Method::Switching, Method::Bdf, Method::Esdirk34])]
 fn base_design(method: Method) -> CycleRecord {
     let settings = Settings {
         method,
+        tail: 1.0,
+        ..Settings::default()
+    };
+    simulate(&n80cb(), &settings).expect("the base design runs")
+}
+
+/// The integration alone.
+#[divan::bench]
+fn without_samples() -> CycleRecord {
+    let settings = Settings {
+        sample_interval: 1.0,
         tail: 1.0,
         ..Settings::default()
     };

@@ -13,6 +13,10 @@ use nailnoise_dynamics::network::{Numerics, Record, simulate};
 
 use common::n80cb;
 
+/// The command's allocator.
+#[global_allocator]
+static MEMORY: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

@@ -39,6 +39,8 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// The name of a file, relative to the design file that gives it, or "" for none.
     File,
+    /// A name that is not listed here, such as that of a block of an assembly.
+    Name,
 }
 
 impl Kind {
@@ -89,7 +91,7 @@ impl Kind {
                 })
             }
             Self::Count(most) => Some([1.0, f64::from(most)]),
-            Self::Switch | Self::Choice(_) | Self::File => None,
+            Self::Switch | Self::Choice(_) | Self::File | Self::Name => None,
         }
     }
 

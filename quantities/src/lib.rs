@@ -20,4 +20,4 @@ pub use measure::measure;
 pub use spec::{GroupSpec, KeySpec, MEMBER, dotted};
 pub use text::{Measured, QuantityError, quantity, range, rounded};
 pub use units::UnitError;
-pub use value::{Assign, Held, Value};
+pub use value::{Assign, Held, Name, Value};

@@ -14,7 +14,14 @@ pub enum Value {
     Choice(&'static str),
     /// A file, relative to the working directory; empty if there is none.
     File(String),
+    /// A name.
+    Name(Name),
 }
+
+/// A name that a key holds, such as that of a block of an assembly.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct Name(pub String);
 
 /// A type that a key's value may have.
 pub trait Held: Sized {
@@ -53,7 +60,7 @@ macro_rules! held {
         }
     )+};
 }
-held!(f64 => Number, u32 => Count, bool => Switch, String => File);
+held!(f64 => Number, u32 => Count, bool => Switch, String => File, Name => Name);
 
 /// Declares a choice between words: documentation, then `Variant = "word"` for each.
 #[macro_export]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::posterior::Posterior;
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
-use crate::design::{Design, JointDraws, Value};
+use crate::design::{Design, JointDraws, Name, Value};
 use crate::error::Error;
 use crate::output;
 
@@ -150,7 +150,7 @@ fn shown(value: &Value, unit: &str) -> String {
         Value::Number(number) => format!("\"{number:?}{unit}\""),
         Value::Switch(on) => on.to_string(),
         Value::Choice(word) => format!("\"{word}\""),
-        Value::File(path) => toml::Value::String(path.clone()).to_string(),
+        Value::File(text) | Value::Name(Name(text)) => toml::Value::String(text.clone()).to_string(),
     }
 }
 

@@ -144,7 +144,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 /// Runs the design like `nailnoise run`; its `result.json`, and where that is.
 fn computed(arguments: &Arguments, checks: &mut Vec<Check>) -> Result<(String, PathBuf), Error> {
     let design = arguments.changes.load(&arguments.design)?;
-    design.refuse_assembly()?;
     let folder = given_or_named(arguments.out.as_deref(), design.name(), design.path())?;
     let progress = arguments.shown.progress();
     let delivery = Delivery {

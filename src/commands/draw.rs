@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{Common, message, print, print_json, progress};
 use super::{Status, table::table};
 use crate::atomic_write::AtomicWrite;
-use crate::design::{Design, Value};
+use crate::design::{Design, Name, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
@@ -170,7 +170,7 @@ fn cells(draw: &DrawnShot) -> Vec<String> {
         Value::Count(count) => count.to_string(),
         Value::Switch(on) => on.to_string(),
         Value::Choice(word) => (*word).to_owned(),
-        Value::File(path) => path.clone(),
+        Value::File(text) | Value::Name(Name(text)) => text.clone(),
     });
     let names = [draw.candidate.to_string(), draw.outcome.name().to_owned()];
     names.into_iter().chain(figures).chain(values).collect()

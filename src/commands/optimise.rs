@@ -84,7 +84,7 @@ struct Layout<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = match &common.options.out {
         Some(folder) => folder.clone(),
         None => common.out(&design)?.join("optimised"),

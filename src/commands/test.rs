@@ -68,6 +68,8 @@ struct TestResult {
     headline: Option<Headline>,
     /// Without scatter, for the design's own shot.
     exact: ExactTest,
+    /// Keys that do not scatter from shot to shot, because no formula of the assembly reads them.
+    without_scatter: Vec<&'static str>,
     /// The manifest of the recordings; null with `--energies`.
     manifest: Option<String>,
     /// The sources of the shots before wrapping; empty with `--energies`.
@@ -78,7 +80,7 @@ struct TestResult {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     cost::refuse(&design, &cost::of_run(&design)?, common.options.memory.limit())?;
     let wraps = match arguments.wraps {
         Wraps::Design => wrapping(&design),
@@ -93,7 +95,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let rate = design.test.sampling_rate;
     let exact = exact(&test.arrangement, rate, &wraps, &test.densities(&own), background)?;
     drop(own);
-    let headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
+    // A headline states how a nail was driven by the tool of the keys.
+    let headline = match design.assembly() {
+        None => headline::headline(&graph, &design, &chain::cycle(&design)?)?,
+        Some(_) => None,
+    };
     let mut result = TestResult {
         headline,
         schema: "nailnoise-test/1",
@@ -101,6 +107,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         wraps: arguments.wraps,
         seed: arguments.seed,
         exact,
+        without_scatter: test.without_scatter(),
         manifest: None,
         recorded: Vec::new(),
         shots: 0,
@@ -220,6 +227,12 @@ fn text(result: &TestResult) -> String {
     text.push_str(
         "  energies of the design's own shot, without scatter; the losses of the wraps are estimated ([test.wraps])\n",
     );
+    if recorded && !result.without_scatter.is_empty() {
+        text.push_str(&format!(
+            "  the shots do not scatter in {}: no formula of the assembly reads it\n",
+            result.without_scatter.join(" and ")
+        ));
+    }
     if let Some(manifest) = &result.manifest {
         text.push_str(&format!(
             "\n  {} shots in {}; next: nailnoise measure {manifest}\n",

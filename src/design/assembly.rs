@@ -113,6 +113,11 @@ impl DesignAssembly {
         !(of_cycle || of_housing) || OF_PLACE.contains(&key) || self.read.used.contains(key)
     }
 
+    /// Whether a formula reads a key.
+    pub(super) fn reads(&self, key: &str) -> bool {
+        self.read.used.contains(key)
+    }
+
     /// Sets a literal.
     pub(super) fn set(&mut self, key: &str, value: &Value) -> Result<(), SetError> {
         let Some(literal) = self.literal(key) else {
@@ -121,7 +126,7 @@ impl DesignAssembly {
         let number = match value {
             Value::Number(number) => *number,
             Value::Count(count) => f64::from(*count),
-            Value::Switch(_) | Value::Choice(_) | Value::File(_) => {
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) | Value::Name(_) => {
                 return Err(SetError::WrongKind {
                     key: key.to_owned(),
                     value: value.clone(),

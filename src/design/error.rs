@@ -296,6 +296,18 @@ pub enum Problem {
         /// The fault of the sensor.
         problem: SensorProblem,
     },
+    /// A transducer is in a volume that the cycle does not have.
+    #[error("`{key}` is `{chamber}`, but the cycle has no volume of this name")]
+    NoVolume {
+        /// The key.
+        key: String,
+        /// Its value.
+        chamber: String,
+        /// The volume with the most similar name.
+        nearest: Option<String>,
+        /// All volumes, and the words of places in walls.
+        known: Vec<String>,
+    },
     /// A stage exceeds the memory limit.
     #[error("the {stage} would need {needs}; {allowed}")]
     TooCostly {
@@ -477,8 +489,7 @@ impl Problem {
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::Assembly(error) => error.help(),
             Self::DesignAssembly { .. } => {
-                "`check`, `cycle`, `run`, `compare`, `study` and `sweep` take assemblies; without `[cycle]` every \
-                 command computes the tool of the keys"
+                "published forms of the model exist for the tool of the keys: leave out `--as-published`, or `[cycle]`"
                     .to_owned()
             }
             Self::OnlyAssembly { .. } => {
@@ -489,6 +500,7 @@ impl Problem {
             Self::NotOfAssembly { remedy, .. } => (*remedy).to_owned(),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
+            Self::NoVolume { nearest, known, .. } => meant(nearest.as_deref(), known, "choose one of"),
             Self::TooCostly { keys, .. } => {
                 let remedy = |(key, what): &(&str, &str)| format!("{what} `{key}`");
                 let remedies: Vec<String> = keys.iter().map(remedy).collect();
@@ -599,6 +611,7 @@ impl Problem {
             Self::NotOfAssembly { .. } => ["not_of_assembly", "has no effect"],
             Self::BadName { .. } => ["bad_name", "no name"],
             Self::Sensor { .. } => ["sensor", "of this sensor"],
+            Self::NoVolume { .. } => ["no_volume", "unknown volume"],
             Self::TooCostly { .. } => ["too_costly", "too costly"],
             Self::Surface { .. } => ["surface", "of this surface"],
             Self::Cap { .. } => ["cap", "the convention"],

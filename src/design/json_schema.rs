@@ -205,7 +205,7 @@ fn key(spec: &KeySpec) -> Value {
         Kind::Count(_) => json!({"type": "integer"}),
         Kind::Switch => json!({"type": "boolean"}),
         Kind::Choice(words) => json!({"enum": words}),
-        Kind::File => json!({"type": "string"}),
+        Kind::File | Kind::Name => json!({"type": "string"}),
     };
     // A number is in SI units; the limits do not apply to a text with a unit.
     if let Some([low, high]) = spec.kind.domain() {

@@ -76,7 +76,7 @@ pub use joint_draws::JointDraws;
 pub use json_schema::json_schema;
 pub use migration::{Migration, RenamedKey, ReplacedKey};
 pub use nailnoise_documents::Place;
-pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitError, Value};
+pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Name, Sign, UnitError, Value};
 pub use octaves::Octaves;
 pub use provenance::Provenance;
 pub use range::RangeOrigin;
@@ -87,7 +87,7 @@ pub use set::SetError;
 pub use springs::{Spring, Sprung};
 pub use study::{Alternative, Correlation, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
-pub use transducers::{Chamber, Transducer};
+pub use transducers::Transducer;
 
 use crate::error::Error;
 use crate::wording::hexadecimal;
@@ -273,6 +273,11 @@ impl Design {
         idle
     }
 
+    /// Whether the cycle depends on a key that the tool of the keys reads; false if no formula of an assembly does.
+    pub(crate) fn cycle_reads(&self, key: &str) -> bool {
+        self.assembly.as_ref().is_none_or(|own| own.reads(key))
+    }
+
     /// Whether a key is a literal of its assembly.
     pub(crate) fn is_literal(&self, key: &str) -> bool {
         self.assembly.as_ref().is_some_and(|own| own.is_literal(key))
@@ -385,6 +390,7 @@ impl Design {
                 Value::Choice(word) => writeln!(text, "{key}={word}"),
                 Value::File(path) if path.is_empty() => writeln!(text, "{key}="),
                 Value::File(path) => writeln!(text, "{key}={}", content(&path)),
+                Value::Name(name) => writeln!(text, "{key}={}", name.0),
             };
         });
         for score in &self.law_scores {
@@ -412,6 +418,19 @@ impl Design {
     /// The error that a sensor of this design cannot make the measurement.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)
+    }
+
+    /// The error that a transducer of this design is in a volume that its cycle does not have.
+    pub(crate) fn refuse_chamber(&self, transducer: &str, chamber: &str, volumes: &[&str]) -> DesignError {
+        let key = format!("transducers.{transducer}.chamber");
+        let place = self.records.get(&key).map(|record| record.place.clone());
+        Problem::NoVolume {
+            nearest: nearest_word(volumes.iter().copied(), chamber).map(str::to_owned),
+            known: volumes.iter().map(|&volume| volume.to_owned()).collect(),
+            key,
+            chamber: chamber.to_owned(),
+        }
+        .at(place)
     }
 
     /// The error that a spring of this design is not on its body.
@@ -568,6 +587,7 @@ pub(crate) fn another(value: &Value, kind: Kind) -> Option<Value> {
         (_, Value::Count(count)) => Value::Count(count + 1),
         (_, Value::Switch(on)) => Value::Switch(!on),
         (Kind::Choice(words), Value::Choice(word)) => Value::Choice(words.iter().find(|other| *other != word)?),
+        (_, Value::Name(name)) => Value::Name(Name(format!("{}_other", name.0))),
         (_, Value::File(_)) => Value::File(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md").to_owned()),
         _ => return None,
     })

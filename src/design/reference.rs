@@ -86,6 +86,7 @@ fn holds(kind: Kind, key: &str) -> String {
         Kind::Count(_) => format!("whole number {}", kind.allowed()),
         Kind::Switch => "`true` or `false`".to_owned(),
         Kind::File => "name of a file, or `\"\"`".to_owned(),
+        Kind::Name => "a name".to_owned(),
         Kind::Choice(words) => words
             .iter()
             .map(|word| format!("`\"{word}\"`"))

@@ -272,6 +272,7 @@ fn example(kind: Kind) -> String {
         Kind::Switch => "true".to_owned(),
         Kind::Choice(words) => format!("\"{}\"", words.first().unwrap_or(&"")),
         Kind::File => "\"\"".to_owned(),
+        Kind::Name => "\"NAME\"".to_owned(),
     }
 }
 
@@ -306,7 +307,7 @@ fn record(key: &str, merged: Merged, ambient: f64, default: DefaultRange) -> Res
     let number = |value: &Value| match value {
         Value::Number(value) => *value,
         Value::Count(count) => f64::from(*count),
-        Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
+        Value::Switch(_) | Value::Choice(_) | Value::File(_) | Value::Name(_) => f64::NAN,
     };
     let ranged = match range {
         None => None,
@@ -455,7 +456,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
         let value = match value {
             Value::Number(value) => value,
             Value::Count(count) => f64::from(count),
-            Value::Switch(_) | Value::Choice(_) | Value::File(_) => return,
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) | Value::Name(_) => return,
         };
         if !includes([*low, *high], value) {
             let dimension = dimension(spec.kind);
@@ -529,6 +530,7 @@ pub(crate) fn shown(value: Value, spec: &KeySpec) -> String {
         Value::Switch(on) => on.to_string(),
         Value::Choice(word) => word.to_owned(),
         Value::File(path) => path,
+        Value::Name(name) => name.0,
     }
 }
 

@@ -131,13 +131,14 @@ fn check(key: &str, kind: Kind, value: &Value) -> Result<(), SetError> {
     match (kind, value) {
         (Kind::Quantity { .. }, Value::Number(number)) => within(*number),
         (Kind::Count(_), Value::Count(count)) => within(f64::from(*count)),
-        (Kind::Switch, Value::Switch(_)) | (Kind::File, Value::File(_)) => Ok(()),
+        (Kind::Switch, Value::Switch(_)) | (Kind::File, Value::File(_)) | (Kind::Name, Value::Name(_)) => Ok(()),
         (Kind::Choice(words), Value::Choice(word)) if words.contains(word) => Ok(()),
         (Kind::Quantity { .. }, _) => wrong("a quantity"),
         (Kind::Count(_), _) => wrong("a whole number"),
         (Kind::Switch, _) => wrong("true or false"),
         (Kind::Choice(_), _) => wrong("one of its words"),
         (Kind::File, _) => wrong("the name of a file"),
+        (Kind::Name, _) => wrong("a name"),
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{
-    self as quantities, Dimension, GroupSpec, KeySpec, Kind, Measured, QuantityError, Value, dotted,
+    self as quantities, Dimension, GroupSpec, KeySpec, Kind, Measured, Name, QuantityError, Value, dotted,
 };
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -427,6 +427,8 @@ impl Field<'_> {
                 }
                 Given::Other(Value::File(path.to_string_lossy().into_owned()))
             }
+            (Kind::Name, DeValue::String(name)) => Given::Other(Value::Name(Name(name.to_string()))),
+            (Kind::Name, _) => return Err(self.wrong_kind(value, "as a name in quotes".to_owned())),
             (Kind::File, _) => return Err(self.wrong_kind(value, "as the name of a file in quotes".to_owned())),
             (Kind::Count(_), _) => return Err(self.wrong_kind(value, "as a whole number".to_owned())),
             (Kind::Switch, _) => return Err(self.wrong_kind(value, "as true or false, without quotes".to_owned())),
@@ -492,7 +494,7 @@ impl Field<'_> {
         match spec.kind {
             Kind::Quantity { dimension, gauge, .. } => self.range_of(value, dimension, gauge),
             Kind::Count(_) => self.range_of(value, NUMBER, false),
-            Kind::Switch | Kind::Choice(_) | Kind::File => {
+            Kind::Switch | Kind::Choice(_) | Kind::File | Kind::Name => {
                 Err(self.wrong_kind(value, "without a range: it is not a quantity".to_owned()))
             }
         }

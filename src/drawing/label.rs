@@ -81,6 +81,7 @@ pub(super) fn text(value: &Value, unit: &str) -> String {
         Value::Switch(on) => return on.to_string(),
         Value::Choice(word) => return (*word).to_owned(),
         Value::File(path) => return path.clone(),
+        Value::Name(name) => return name.0.clone(),
     };
     let space = if unit == "\u{b0}" { "" } else { " " };
     let number = rounded(number * factor, 5, 1e6).replace('-', "\u{2212}");

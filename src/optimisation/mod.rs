@@ -16,7 +16,6 @@ pub(crate) use constraint::is_level;
 pub use constraint::{Constraint, Objective};
 pub use error::OptimisationError;
 pub use search::{Optimisation, Request, optimise};
-pub(crate) use shot::COSTS;
 pub use shot::Shot;
 pub use trial::Trial;
 pub use variable::{Domain, Variable, Varied};

@@ -2,17 +2,25 @@
 
 use serde::{Serialize, Serializer};
 
+use nailnoise_dynamics::network;
+
 use crate::chain;
-use crate::design::Design;
+use crate::design::{Design, inputs};
 use crate::error::Error;
-use crate::result::TOTAL;
+use crate::result::{Performance, TOTAL};
+use crate::stages::cycle::{AssembledCycle, ShotRecord, SummaryFigures};
 use crate::stages::levels::Levels;
 
 /// The work that nail and wood take up \[J\], beside the figures of the cycle's summary.
 pub(super) const DRIVE_ENERGY: &str = "drive_energy";
 
 /// Figures of a shot that show what quieting costs: depth, work on nail and wood, air a shot.
-pub(crate) const COSTS: [&str; 3] = ["penetration", DRIVE_ENERGY, "supply_mass"];
+const COSTS: [&str; 3] = ["penetration", DRIVE_ENERGY, "supply_mass"];
+
+/// The same for an assembly: depth of the head \[m\] and kinetic energy left at flush \[J\].
+const HEAD_DEPTH: &str = "head_depth";
+const FLUSH_ENERGY: &str = "flush_energy";
+const ASSEMBLY_COSTS: [&str; 2] = [HEAD_DEPTH, FLUSH_ENERGY];
 
 /// The shot of a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,6 +46,9 @@ impl Shot {
     /// # Errors
     /// Those of the cycle.
     pub(super) fn of(design: &Design) -> Result<Self, Error> {
+        if let Some(cycle) = inputs::assembly::cycle(design)? {
+            return Self::of_assembly(&cycle, design);
+        }
         let record = chain::cycle(design)?;
         let summary = serde_json::to_value(&record.summary).map_err(Error::Json)?;
         let figures = summary.as_object().into_iter().flatten();
@@ -49,6 +60,34 @@ impl Shot {
             levels: None,
             total_db: None,
         })
+    }
+
+    /// The shot of an assembly, whose figures have the names of its blocks.
+    fn of_assembly(cycle: &AssembledCycle, design: &Design) -> Result<Self, Error> {
+        let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
+        let performance = Performance::of_assembly(&record, &cycle.assembly, &design.ambient);
+        let shot = ShotRecord::of_assembly(&cycle.assembly, record);
+        let costs = [performance.head_depth_m, performance.energy_left_j];
+        let costs = ASSEMBLY_COSTS.map(str::to_owned).into_iter().zip(costs);
+        let figures = match shot.figures {
+            SummaryFigures::Assembly(own) => own,
+            SummaryFigures::Keys(_) => Default::default(),
+        };
+        let figures = figures.into_iter().map(|(name, value)| (name, Some(value)));
+        Ok(Self {
+            outcome: shot.outcome,
+            figures: figures.chain(costs).collect(),
+            levels: None,
+            total_db: None,
+        })
+    }
+
+    /// Names of the figures that show what quieting costs.
+    pub(crate) fn costs(&self) -> &'static [&'static str] {
+        match self.figures.iter().any(|(name, _)| name == DRIVE_ENERGY) {
+            true => &COSTS,
+            false => &ASSEMBLY_COSTS,
+        }
     }
 
     /// A figure of the cycle \[SI\] or a level \[dB re 1 pW s\] by its name; none where it does not occur or is silent,

@@ -30,6 +30,8 @@ pub struct NoteInputs<'a> {
     pub landing_keys: Vec<String>,
     /// Sensors on bodies that are not in the design.
     pub idle_sensors: Vec<&'a str>,
+    /// Pressure transducers in chambers that the tool does not have.
+    pub idle_transducers: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
     pub limited_sensors: Vec<(&'a str, f64)>,
     /// Position of the shot within the range of a fitted penetration law, in words.
@@ -87,6 +89,10 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     methods.extend(list(
         "unused sensors, because their body is not in this design",
         &inputs.idle_sensors,
+    ));
+    methods.extend(list(
+        "unused pressure transducers, because the tool does not have their chamber",
+        &inputs.idle_transducers,
     ));
     let limited: Vec<String> = inputs
         .limited_sensors

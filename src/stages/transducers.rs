@@ -4,10 +4,35 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Code, Progress, Stage, Stored, Uncached, code};
-use crate::design::Chamber;
 use crate::error::Error;
 use crate::result::TransducerRange;
 use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
+
+/// The chambers that are not named after a volume of the cycle.
+pub(crate) const CYLINDER: &str = "cylinder";
+pub(crate) const RETURN: &str = "return";
+
+/// Where a pressure transducer is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum Chamber {
+    /// In the wall of the cylinder.
+    Cylinder,
+    /// In the wall of the return chamber.
+    Return,
+    /// In a volume of the cycle.
+    Volume(String),
+}
+
+impl Chamber {
+    /// Its name in designs and files.
+    pub fn as_str(&self) -> &str {
+        match self {
+            Self::Cylinder => CYLINDER,
+            Self::Return => RETURN,
+            Self::Volume(name) => name,
+        }
+    }
+}
 
 /// A piezoelectric pressure transducer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -41,7 +66,7 @@ impl PressureRecord {
         let of = |value: fn(f64, f64) -> f64| self.values.iter().copied().fold(0.0, value);
         TransducerRange {
             name: self.name.clone(),
-            chamber: self.chamber.as_str(),
+            chamber: self.chamber.as_str().to_owned(),
             lowest_pa: of(f64::min),
             highest_pa: of(f64::max),
         }
@@ -70,7 +95,7 @@ impl Stage for Transducers {
         let record = self.cycle.get()?;
         let signal = |transducer: &PressureTransducer| PressureRecord {
             name: transducer.name.clone(),
-            chamber: transducer.chamber,
+            chamber: transducer.chamber.clone(),
             interval: record.sample_interval,
             values: discharged(
                 &transducer.pressure(&record),
@@ -86,24 +111,19 @@ impl PressureTransducer {
     /// Absolute pressure at the transducer \[Pa\]. In the cylinder's wall, it is that of the volume below the piston
     /// until the piston has passed, and that above the piston while the piston is below it.
     fn pressure(&self, record: &ShotRecord) -> Vec<f64> {
-        let surface = match self.chamber {
-            Chamber::Return => RETURN_WALL,
-            Chamber::Cylinder => BORE,
-        };
-        let wall = record.pressures.iter().find(|wall| wall.surface == surface);
-        let Some(wall) = wall else {
-            // An assembly without this wall: the transducer reads the atmosphere.
-            return vec![record.ambient_pressure; record.len()];
-        };
-        match self.chamber {
-            Chamber::Return => wall.pressure.clone(),
-            Chamber::Cylinder => {
+        let wall = |surface: &str| record.pressures.iter().find(|wall| wall.surface == surface);
+        let read = match &self.chamber {
+            Chamber::Volume(name) => record.volume_pressure(name).map(<[f64]>::to_vec),
+            Chamber::Return => wall(RETURN_WALL).map(|wall| wall.pressure.clone()),
+            Chamber::Cylinder => wall(BORE).map(|wall| {
                 let volumes = wall.pressure.iter().zip(&wall.below);
                 let before =
                     |(y, (above, below)): (&f64, (&f64, &f64))| if *y > self.position { *above } else { *below };
                 wall.divide.iter().zip(volumes).map(before).collect()
-            }
-        }
+            }),
+        };
+        // The inputs contain no transducer in a chamber that the tool does not have.
+        read.unwrap_or_default()
     }
 }
 

@@ -144,7 +144,7 @@ impl Parameter {
         match self.value {
             Value::Number(value) => value,
             Value::Count(count) => f64::from(count),
-            Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) | Value::Name(_) => f64::NAN,
         }
     }
 

@@ -81,7 +81,7 @@ impl Marginal {
         match self.parameter().at(share) {
             Value::Number(value) => value,
             Value::Count(count) => f64::from(count),
-            Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) | Value::Name(_) => f64::NAN,
         }
     }
 

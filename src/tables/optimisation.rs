@@ -1,7 +1,7 @@
 //! Tables of an optimisation.
 
 use super::{Cell, Column, Table, dash, decibels};
-use crate::optimisation::{COSTS, Objective, Optimisation, Trial};
+use crate::optimisation::{Objective, Optimisation, Trial};
 use crate::result::TOTAL;
 use crate::wording;
 
@@ -27,7 +27,12 @@ fn figure(trial: &Trial, name: &str) -> String {
 fn figures(found: &Optimisation) -> Vec<&str> {
     let own = found.objectives.iter().map(|own: &Objective| own.figure.as_str());
     let mut names: Vec<&str> = own.filter(|name| !crate::optimisation::is_level(name)).collect();
-    names.extend(COSTS);
+    let shot = found
+        .trials
+        .iter()
+        .chain([&found.start])
+        .find_map(|own| own.shot.as_ref());
+    names.extend(shot.map_or(&[][..], |shot| shot.costs()));
     let mut seen = Vec::new();
     names.retain(|name| {
         !seen.contains(name) && {

@@ -41,6 +41,9 @@ use sources::Synthesis;
 const WRAP_HZ: [f64; 2] = [125.0, 4000.0];
 const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
 
+/// Keys whose values scatter from shot to shot.
+const SCATTERED: [&str; 2] = ["supply.pressure", "wood.resistance_scale"];
+
 /// Time over which the end of a sensor's record fades to zero \[s\].
 const FADE: f64 = 5e-3;
 
@@ -84,7 +87,7 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
         absorption: (design.acoustics.room_absorption > 0.0).then_some(design.acoustics.room_absorption),
         range_hz: array.range_hz,
         accelerometers: names.into_iter().map(|own| own.name).collect(),
-        transducers: inputs::sensors::transducers(design)
+        transducers: inputs::sensors::transducers(design)?
             .into_iter()
             .map(|own| own.name)
             .collect(),
@@ -163,7 +166,15 @@ impl<'a> VirtualTest<'a> {
         (1000 * configuration.number() + repeat) as u64
     }
 
+    /// Keys that would scatter, but that the formulas of the design's assembly do not read.
+    pub fn without_scatter(&self) -> Vec<&'static str> {
+        let mut keys = SCATTERED.to_vec();
+        keys.retain(|key| !self.design.cycle_reads(key));
+        keys
+    }
+
     /// The design of one shot: supply pressure and resistance scatter, and the mass of the wrap is added if it is used.
+    /// An assembly whose formulas do not read one of these keys has no scatter of it.
     fn scattered(&self, configuration: Configuration, repeat: usize) -> Result<Design, Error> {
         let stream = Self::stream(configuration, repeat);
         let (test, mut design) = (&self.design.test, self.design.clone());
@@ -175,12 +186,9 @@ impl<'a> VirtualTest<'a> {
             0.0
         };
         let changes = [
+            (SCATTERED[0], design.supply.pressure * factor(test.pressure_scatter, 0)),
             (
-                "supply.pressure",
-                design.supply.pressure * factor(test.pressure_scatter, 0),
-            ),
-            (
-                "wood.resistance_scale",
+                SCATTERED[1],
                 design.wood.resistance_scale * factor(test.resistance_scatter, 1),
             ),
             ("tool.mass", design.tool.mass + added),
@@ -238,7 +246,9 @@ impl<'a> VirtualTest<'a> {
         // Numbers of the noise of a shot: those of the sources, then those of parts by the source to which they are
         // assigned.
         let stream = (2 * count + 2).max(8) * stream;
-        let mut sources: [Vec<Vec<f64>>; 3] = Default::default();
+        // A tool without one of the sources has no signal of it.
+        let silent = vec![Vec::new(); self.arrangement.microphones.len()];
+        let mut sources = Role::ALL.map(|_| silent.clone());
         let mut add = |role: Role, heard: &Heard, number: u64| {
             let noise = (self.seed, stream + number);
             let signals = self.synthesis.signals(&heard.source, &heard.received, noise);
@@ -328,6 +338,7 @@ impl<'a> VirtualTest<'a> {
             (Role::Workpiece, Configuration::Workpiece) => scaled(self.wrapping.workpiece_mask),
             (Role::Exhaust, Configuration::Exhaust) => scaled(self.wrapping.exhaust_mask),
             (Role::Body, Configuration::Body) => signal.to_vec(),
+            _ if signal.is_empty() => Vec::new(),
             // Wraps that transmit nothing have no phase.
             (source, _) if self.wrapping.at(1000.0).of_source(source) == 0.0 => Vec::new(),
             _ => wrap.apply(signal),

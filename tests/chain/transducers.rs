@@ -6,7 +6,7 @@ use nailnoise::graph::Graph;
 use nailnoise::stages::transducers::PressureRecord;
 use nailnoise_dynamics::CycleRecord;
 
-use crate::common::ROOT;
+use crate::common::{ROOT, small};
 
 /// The readings of both transducers without a loss of charge, and the cycle.
 fn readings() -> (Vec<PressureRecord>, CycleRecord) {
@@ -56,4 +56,61 @@ fn a_transducer_in_the_return_chamber_reads_its_change_of_pressure() {
     for (value, p) in reading.values.iter().zip(pressure) {
         assert!((value - (p - pressure[0])).abs() < 1.0);
     }
+}
+
+/// Readings of transducers in these chambers without a loss of charge.
+fn in_chambers(design: &str, chambers: &[&str]) -> Result<Vec<PressureRecord>, nailnoise::Error> {
+    let transducer = |(n, chamber): (usize, &&str)| {
+        format!("[transducers.P{n}]\nchamber = \"{chamber}\"\nposition = \"30 mm\"\ndischarge_time = \"1 s\"\n")
+    };
+    let transducers: String = chambers.iter().enumerate().map(transducer).collect();
+    let mut design = small(&format!("{design}\n{transducers}"));
+    for own in design.transducers.values_mut() {
+        own.discharge_time = 1e9;
+    }
+    let chain = Chain::new(&Graph::default(), &design, Options::default())?;
+    Ok(Vec::clone(&chain.transducers.get().unwrap()))
+}
+
+#[test]
+fn a_transducer_in_a_volume_of_the_cycle_reads_its_change_of_pressure() {
+    let chambers = [
+        "above_piston",
+        "below_piston",
+        "return_volume",
+        "above_valve",
+        "supply",
+        "return",
+    ];
+    let readings = in_chambers("", &chambers).unwrap();
+    let record = nailnoise::chain::cycle(&small("")).unwrap();
+    let volumes = [
+        &record.above_piston,
+        &record.below_piston,
+        &record.return_volume,
+        &record.above_valve,
+        &record.supply,
+        &record.return_volume,
+    ];
+    for (reading, volume) in readings.iter().zip(volumes) {
+        for (value, p) in reading.values.iter().zip(&volume.pressure) {
+            assert!((value - (p - volume.pressure[0])).abs() < 1.0, "{}", reading.name);
+        }
+    }
+}
+
+#[test]
+fn the_transducers_of_an_assembly_are_in_its_volumes() {
+    let stapler = "[cycle]\nassembly = \"stapler\"";
+    let readings = in_chambers(stapler, &["above", "return"]).unwrap();
+    let names: Vec<&str> = readings.iter().map(|own| own.name.as_str()).collect();
+    assert_eq!(names, ["P0"], "a stapler has no return chamber");
+    let shot = nailnoise::chain::shot(&small(stapler)).unwrap();
+    let pressure = shot.volume_pressure("above").unwrap();
+    for (value, p) in readings[0].values.iter().zip(pressure) {
+        assert!((value - (p - pressure[0])).abs() < 1.0);
+    }
+    assert!(readings[0].values.iter().any(|value| *value > 1e5));
+    let message = in_chambers(stapler, &["abov"]).unwrap_err().to_string();
+    assert!(message.contains("the cycle has no volume of this name"), "{message}");
 }

@@ -1,4 +1,4 @@
-//! `run --set`, `compare`, `sweep` and `study` of a tool that its own file describes: the tacker of the page.
+//! `run --set`, `compare`, `sweep`, `study`, `optimise` and `test` of a tool that its own file describes: the tacker of the page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -106,4 +106,51 @@ fn a_study_draws_the_range_of_a_literal() {
     for name in ["piston.mass", "supply.pressure", "nail.length"] {
         assert!(!header.iter().any(|own| own.starts_with(name)), "{name} has no effect");
     }
+}
+
+/// The best design is that of the page's table, and has the level that was stated.
+#[test]
+fn a_literal_is_optimised_under_a_limit_of_a_figure_of_the_assembly() {
+    let (folder, design) = made("optimised");
+    let vary = format!("{KEY}=15mm2..30mm2");
+    let search = [
+        "--vary",
+        &vary,
+        "--trials",
+        "6",
+        "--minimise",
+        "exhaust",
+        "--subject-to",
+        "staple_depth >= 1 mm",
+    ];
+    let found = printed(&folder, &[&["optimise", &design], &search[..]].concat());
+    let all = found["trials"].as_array().unwrap();
+    assert!(all.iter().all(|own| own["refused"] == ""), "{all:#?}");
+    let best = &all[found["front"][0].as_u64().unwrap() as usize];
+    assert!(best["figures"]["staple_depth"].as_f64().unwrap() >= 1e-3, "{best}");
+    assert!(
+        best["figures"]["flush_energy"].is_number() || best["figures"]["head_depth"].is_number(),
+        "{best}"
+    );
+    let file = found["files"][0].as_str().unwrap();
+    let result = printed(&folder, &["run", file]);
+    let stated = exhaust(&best["levels"]["sources"]);
+    assert!((exhaust(&result["ranking"]) - stated).abs() < 0.01, "{stated} dB");
+}
+
+/// The virtual test measures the exhaust, and states which scatter the tool does not have.
+#[test]
+fn a_virtual_test_of_an_assembly_has_its_sources() {
+    let (folder, design) = made("tested");
+    let exact = |area: &str| {
+        let set = format!("{KEY}={area}");
+        let result = printed(&folder, &["test", &design, "--energies", "--set", &set]);
+        let levels = &result["exact"]["sources_db"];
+        assert!(levels.as_array().unwrap().iter().all(Value::is_number), "{levels}");
+        let keys = result["without_scatter"].as_array().unwrap().clone();
+        (levels[1].as_f64().unwrap(), keys)
+    };
+    let ((wide, keys), (narrow, _)) = (exact("30mm2"), exact("15mm2"));
+    assert!(narrow < wide - 0.5, "{narrow} dB against {wide} dB");
+    assert_eq!(keys, ["supply.pressure", "wood.resistance_scale"]);
 }

@@ -140,6 +140,7 @@ fn values_and_ranges_are_those_of_the_file_in_si_units() {
             }
             (toml::Value::String(text), Value::Choice(word)) => assert_eq!(text, word, "{key}"),
             (toml::Value::String(text), Value::File(path)) => assert_eq!(text, path, "{key}"),
+            (toml::Value::String(text), Value::Name(name)) => assert_eq!(*text, name.0, "{key}"),
             (toml::Value::Boolean(on), Value::Switch(own)) => assert_eq!(on, own, "{key}"),
             (toml::Value::Float(number), Value::Number(own)) => assert_eq!(number, own, "{key}"),
             (toml::Value::Integer(number), own) => assert_eq!(*number as f64, self::number(own.clone()), "{key}"),
@@ -508,7 +509,7 @@ fn the_digest_follows_the_values_and_nothing_else() {
             Value::Number(value) => format!("{} = {:e}", entry.key, value * 0.999),
             Value::Count(count) => format!("{} = {}", entry.key, count + 1),
             Value::Switch(on) => format!("{} = {}", entry.key, !on),
-            Value::Choice(_) | Value::File(_) => continue,
+            Value::Choice(_) | Value::File(_) | Value::Name(_) => continue,
         };
         assert_ne!(changed(&text).digest(), base.digest(), "{text}");
     }

@@ -399,6 +399,12 @@ impl Program {
         })
     }
 
+    /// Terms and offset of the linear form, if the expression is one.
+    pub(crate) fn linear(&self) -> Option<(&[(f64, Probe)], f64)> {
+        let linear = self.linear.as_ref()?;
+        Some((&linear.terms, linear.offset))
+    }
+
     /// The value at an evaluated state.
     pub(crate) fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
         if let Some(linear) = &self.linear {

@@ -180,14 +180,13 @@ impl Plan {
     #[inline]
     pub(crate) fn flows(&self, t: f64, mode: &Mode, w: &mut Workspace) {
         for passage in 0..self.passages.len() {
-            self.flow_through(passage, t, mode, w, false);
+            self.flow_through(passage, t, mode, w, None);
         }
     }
 
-    /// Flow through a passage; requires [`Self::instant`]. `near` allows starting from the last pressure inside a
-    /// series.
+    /// Flow through a passage; requires [`Self::instant`]. `near` is an initial guess of the pressure inside a series.
     #[inline]
-    pub(crate) fn flow_through(&self, index: usize, t: f64, mode: &Mode, w: &mut Workspace, near: bool) {
+    pub(crate) fn flow_through(&self, index: usize, t: f64, mode: &Mode, w: &mut Workspace, near: Option<f64>) {
         let passage = &self.passages[index];
         if !passage.is_open(mode) && passage.delay.is_none() && passage.undelayed.is_none() {
             w.flow[index] = Flow::none(w.pressure[passage.to]);
@@ -196,9 +195,8 @@ impl Plan {
         }
         let air = &self.airs[passage.air];
         let ends = self.ends(index, w);
-        let last = near.then(|| w.flow[index].between[0]);
         w.flow[index] = match passage.delay {
-            None => passage.flow(air, mode, &ends, t, last),
+            None => passage.flow(air, mode, &ends, t, near),
             Some(delay) => self.arriving(index, delay, t, mode, w),
         };
         if passage.undelayed.is_some() {
@@ -220,7 +218,8 @@ impl Plan {
         }
         self.contact_forces(mode, w);
         for (i, contact) in self.contacts.iter().enumerate() {
-            if !contact.carries {
+            // Most contacts are open.
+            if !contact.carries && w.contact[i].force != 0.0 {
                 let force = -contact.side * w.contact[i].force;
                 w.act(contact.pair, force);
             }

@@ -2,7 +2,7 @@
 
 mod reads;
 
-use reads::{BLOCK, Reads, Source};
+use reads::{BLOCK, Combination, Reads, Source};
 
 use super::assembly::{PressurePatch, Space};
 use super::error::RunError;
@@ -13,18 +13,19 @@ use super::probe::{Need, Probe, Program};
 use super::rates::Workspace;
 
 /// Passages whose flows are in a history or in a force; all if an expression may read any of them.
-fn passages(plan: &Plan, sources: &[Source]) -> Vec<usize> {
+fn passages(plan: &Plan, sources: &[Source]) -> Vec<(usize, [f64; 2])> {
     let any = |source: &Source| matches!(source, Source::Program(program) if program.need >= Need::Flows);
     let all = sources.iter().any(any);
     let read = |passage: usize| {
         let of = |source: &Source| match source {
             Source::Probe(probe) | Source::Negative(probe) => probe.passage() == Some(passage),
-            Source::Program(_) => false,
+            Source::Program(_) | Source::Combination => false,
         };
         sources.iter().any(of)
     };
     let needed = |passage: &usize| all || plan.passages[*passage].jet || read(*passage);
-    (0..plan.passages.len()).filter(needed).collect()
+    let all = (0..plan.passages.len()).filter(needed);
+    all.map(|passage| (passage, [f64::NAN; 2])).collect()
 }
 
 /// A named history and its position.
@@ -64,10 +65,12 @@ pub(crate) struct Recorder {
     wanted: Option<&'static [&'static str]>,
     sources: Vec<Source>,
     reads: Reads,
-    /// Passages whose flows the histories need.
-    passages: Vec<usize>,
+    /// Passages whose flows the histories need, with the pressures inside a series at the last two samples.
+    passages: Vec<(usize, [f64; 2])>,
     pub(super) histories: Vec<Vec<f64>>,
-    /// Samples not yet appended, by history.
+    /// Histories that are sums of other columns of the block.
+    combinations: Vec<Combination>,
+    /// Samples not yet appended, by history; quantities that only combinations read follow the histories.
     block: Vec<f64>,
     rows: usize,
     samples: usize,
@@ -88,6 +91,7 @@ impl Recorder {
             reads: Reads::default(),
             passages: Vec::new(),
             histories: Vec::new(),
+            combinations: Vec::new(),
             block: Vec::new(),
             rows: 0,
             samples: 0,
@@ -102,10 +106,11 @@ impl Recorder {
             recorder.describe_sensors(plan)?;
             recorder.describe_openings(plan);
             recorder.describe_surfaces(plan)?;
-            recorder.reads = Reads::new(&recorder.sources);
-            recorder.passages = passages(plan, &recorder.sources);
             let n = (plan.assembly.end / interval) as usize + 2;
             recorder.histories = recorder.sources.iter().map(|_| Vec::with_capacity(n)).collect();
+            recorder.combine();
+            recorder.reads = Reads::new(&recorder.sources);
+            recorder.passages = passages(plan, &recorder.sources);
             recorder.block = vec![0.0; BLOCK * recorder.sources.len()];
         }
         Ok(recorder)
@@ -118,6 +123,25 @@ impl Recorder {
         }
         self.sources.push(source);
         self.sources.len() - 1
+    }
+
+    /// Turns expressions of linear form into sums of columns, which are computed by vector instructions.
+    fn combine(&mut self) {
+        for place in 0..self.histories.len() {
+            let Source::Program(program) = &self.sources[place] else {
+                continue;
+            };
+            let Some((terms, offset)) = program.linear() else {
+                continue;
+            };
+            let terms = terms.to_vec();
+            let terms = terms
+                .into_iter()
+                .map(|(scale, probe)| (scale, self.place(Source::Probe(probe))));
+            let terms = terms.collect();
+            self.combinations.push(Combination { place, terms, offset });
+            self.sources[place] = Source::Combination;
+        }
     }
 
     fn add(&mut self, block: &str, quantity: &str, unit: &str, probe: Probe) {
@@ -288,8 +312,10 @@ impl Recorder {
     /// Appends a sample of a state.
     pub(crate) fn push(&mut self, plan: &Plan, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
         plan.instant(y, mode, w);
-        for passage in &self.passages {
-            plan.flow_through(*passage, t, mode, w, true);
+        for (passage, [before, last]) in &mut self.passages {
+            // The trend of the last two samples.
+            plan.flow_through(*passage, t, mode, w, Some(2.0 * *last - *before));
+            (*before, *last) = (*last, w.flow[*passage].between[0]);
         }
         plan.forces(t, mode, w);
         let row = self.rows;
@@ -306,6 +332,9 @@ impl Recorder {
 
     /// Appends the collected rows to the histories.
     pub(super) fn flush(&mut self) {
+        for combination in &self.combinations {
+            combination.evaluate(&mut self.block);
+        }
         for (column, history) in self.block.chunks_exact(BLOCK).zip(&mut self.histories) {
             history.extend_from_slice(&column[..self.rows]);
         }

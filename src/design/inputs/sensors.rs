@@ -9,8 +9,9 @@ use crate::error::Error;
 use crate::model::supports;
 use crate::stages::bodies::BodyError;
 use crate::stages::bodies::SensorPoint;
+use crate::stages::cycle::{AssembledCycle, BORE, RETURN_WALL, VOLUMES_OF_KEYS};
 use crate::stages::sensors::Accelerometer;
-use crate::stages::transducers::PressureTransducer;
+use crate::stages::transducers::{CYLINDER, Chamber, PressureTransducer, RETURN};
 
 /// The sensors on bodies that the design has, by name.
 ///
@@ -35,15 +36,85 @@ pub(crate) fn accelerometers(design: &Design) -> Result<Vec<Accelerometer>, Erro
     present(design).map(accelerometer).collect()
 }
 
-/// The pressure transducers, by name.
-pub(crate) fn transducers(design: &Design) -> Vec<PressureTransducer> {
-    let transducer = |(name, own): (&String, &Transducer)| PressureTransducer {
-        name: name.clone(),
-        chamber: own.chamber,
-        position: own.position,
-        discharge_time: own.discharge_time,
+/// The pressure transducers in chambers that the tool has, by name.
+///
+/// # Errors
+/// [`Problem::NoVolume`](crate::design::Problem::NoVolume) for a volume that the cycle does not have.
+pub(crate) fn transducers(design: &Design) -> Result<Vec<PressureTransducer>, Error> {
+    let tool = Chambers::of(design)?;
+    let transducer = |(name, own): (&String, &Transducer)| {
+        let chamber = match own.chamber.0.as_str() {
+            CYLINDER if tool.has_bore => Chamber::Cylinder,
+            RETURN if tool.has_return => Chamber::Return,
+            volume if tool.has(volume) => Chamber::Volume(volume.to_owned()),
+            CYLINDER | RETURN => return None,
+            other => {
+                let mut known: Vec<&str> = tool.volumes.iter().map(String::as_str).collect();
+                known.extend(tool.has_bore.then_some(CYLINDER));
+                known.extend(tool.has_return.then_some(RETURN));
+                return Some(Err(design.refuse_chamber(name, other, &known).into()));
+            }
+        };
+        Some(Ok(PressureTransducer {
+            name: name.clone(),
+            chamber,
+            position: own.position,
+            discharge_time: own.discharge_time,
+        }))
     };
-    design.transducers.iter().map(transducer).collect()
+    design.transducers.iter().filter_map(transducer).collect()
+}
+
+/// Names of the transducers in a cylinder or return chamber that the tool does not have.
+///
+/// # Errors
+/// The errors of the cycle's inputs.
+pub(crate) fn without_chamber(design: &Design) -> Result<Vec<&str>, Error> {
+    let tool = Chambers::of(design)?;
+    let is_absent = |own: &Transducer| match own.chamber.0.as_str() {
+        CYLINDER => !(tool.has_bore || tool.has(CYLINDER)),
+        RETURN => !(tool.has_return || tool.has(RETURN)),
+        _ => false,
+    };
+    let absent = design.transducers.iter().filter(|(_, own)| is_absent(own));
+    Ok(absent.map(|(name, _)| name.as_str()).collect())
+}
+
+/// Where a tool can have pressure transducers.
+struct Chambers {
+    /// Volumes of the cycle.
+    volumes: Vec<String>,
+    /// Whether the gas on both sides of the piston presses on the cylinder's wall.
+    has_bore: bool,
+    /// Whether gas presses on the wall of the return chamber.
+    has_return: bool,
+}
+
+impl Chambers {
+    /// Whether the cycle has a volume of this name.
+    fn has(&self, volume: &str) -> bool {
+        self.volumes.iter().any(|own| own == volume)
+    }
+
+    fn of(design: &Design) -> Result<Self, Error> {
+        let assembled = match design.transducers.is_empty() {
+            true => None,
+            false => super::assembly::cycle(design)?,
+        };
+        let Some(AssembledCycle { assembly, .. }) = assembled else {
+            return Ok(Self {
+                volumes: VOLUMES_OF_KEYS.map(str::to_owned).to_vec(),
+                has_bore: true,
+                has_return: true,
+            });
+        };
+        let has = |surface: &str| assembly.pressures.iter().any(|own| own.surface == surface);
+        Ok(Self {
+            has_bore: has(BORE),
+            has_return: has(RETURN_WALL),
+            volumes: assembly.volumes.into_iter().map(|own| own.name).collect(),
+        })
+    }
 }
 
 /// Points of the sensors that measure the motion of a body; sensors on the sand measure the edge of the workpiece.

@@ -17,6 +17,7 @@ use crate::error::Error;
 
 pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit, outflows};
 pub use of_keys::{EVENT_NAMES, event_times};
+pub(crate) use shot::VOLUMES_OF_KEYS;
 pub use shot::{
     BORE, EngineRecord, EventTimes, EventWords, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures, event_in_words,
 };

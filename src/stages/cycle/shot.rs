@@ -14,6 +14,10 @@ pub const BORE: &str = "bore";
 /// Wall of the return volume.
 pub const RETURN_WALL: &str = "return";
 
+/// Volumes of the tool of the keys, by the names of its assembly.
+pub(crate) const VOLUMES_OF_KEYS: [&str; 5] =
+    ["above_piston", "below_piston", "return_volume", "above_valve", "supply"];
+
 /// A cycle in the form used by the chain.
 ///
 /// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ... Positions, velocities and forces point down,
@@ -101,6 +105,24 @@ impl ShotRecord {
         match &self.record {
             EngineRecord::Keys(record) => Some(record),
             EngineRecord::Assembly(_) => None,
+        }
+    }
+
+    /// Absolute pressure of a volume of the cycle \[Pa\]; `None` if it has none of this name.
+    pub fn volume_pressure(&self, name: &str) -> Option<&[f64]> {
+        match &self.record {
+            EngineRecord::Keys(record) => {
+                let mut volumes = VOLUMES_OF_KEYS.into_iter().zip([
+                    &record.above_piston,
+                    &record.below_piston,
+                    &record.return_volume,
+                    &record.above_valve,
+                    &record.supply,
+                ]);
+                let found = volumes.find(|(own, _)| *own == name);
+                found.map(|(_, volume)| &volume.pressure[..])
+            }
+            EngineRecord::Assembly(record) => record.get(&format!("{name}.pressure")),
         }
     }
 

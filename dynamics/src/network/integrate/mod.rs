@@ -403,8 +403,11 @@ impl<'p> Run<'p> {
             while self.recording && self.recorder.next_time() < t_end {
                 self.fresh = false;
                 let time = self.recorder.next_time();
-                at(time, &mut self.y)?;
-                self.recorder.push(self.plan, time, &self.y, &self.mode, &mut self.w);
+                solver
+                    .interpolate_inplace(time, &mut scratch)
+                    .map_err(|cause| self.failure(&cause))?;
+                let y = scratch.batch_as_slice(0);
+                self.recorder.push(self.plan, time, y, &self.mode, &mut self.w);
                 self.follow_peaks();
             }
             self.t = t_end;

@@ -12,6 +12,35 @@ pub(super) enum Source {
     /// Minus a quantity.
     Negative(Probe),
     Program(Program),
+    /// A sum of other columns.
+    Combination,
+}
+
+/// A sum of columns with factors, and a constant.
+#[derive(Debug)]
+pub(super) struct Combination {
+    /// Place of the sum.
+    pub(super) place: usize,
+    /// Factors and places of the columns.
+    pub(super) terms: Vec<(f64, usize)>,
+    pub(super) offset: f64,
+}
+
+impl Combination {
+    /// Computes the sum for all samples of a block.
+    pub(super) fn evaluate(&self, block: &mut [f64]) {
+        let mut sum = [0.0; BLOCK];
+        for (number, (scale, place)) in self.terms.iter().enumerate() {
+            let column = &block[place * BLOCK..][..BLOCK];
+            if number == 0 {
+                sum.iter_mut().zip(column).for_each(|(sum, x)| *sum = scale * x);
+            } else {
+                sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += scale * x);
+            }
+        }
+        sum.iter_mut().for_each(|sum| *sum += self.offset);
+        block[self.place * BLOCK..][..BLOCK].copy_from_slice(&sum);
+    }
 }
 
 impl Source {
@@ -21,6 +50,8 @@ impl Source {
             Self::Probe(probe) => probe.value(plan, mode, w),
             Self::Negative(probe) => -probe.value(plan, mode, w),
             Self::Program(program) => program.value(plan, mode, w),
+            // Computed for a whole block.
+            Self::Combination => 0.0,
         }
     }
 }
@@ -85,9 +116,13 @@ impl Reads {
     pub(super) fn new(sources: &[Source]) -> Self {
         let mut reads = Self::default();
         for (place, source) in sources.iter().enumerate() {
-            let Source::Probe(probe) = source else {
-                reads.others.push(place);
-                continue;
+            let probe = match source {
+                Source::Probe(probe) => probe,
+                Source::Combination => continue,
+                Source::Negative(_) | Source::Program(_) => {
+                    reads.others.push(place);
+                    continue;
+                }
             };
             let (list, index) = match *probe {
                 Probe::Travel(pair) => {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
-use nailnoise_quantities::{Dimension, Group, GroupSpec, KeySpec, Kind, Value};
+use nailnoise_quantities::{Dimension, Group, GroupSpec, KeySpec, Kind, Name, Value};
 
 use crate::{
     Ambient, Block, Chambers, Contacts, Exhaust, Geometry, Hand, HeadValve, Model, Nail, NailedWood, Parameters,
@@ -41,7 +41,7 @@ impl KeyValue {
             },
             Value::Switch(on) => Self::Switch(*on),
             Value::Choice(word) => Self::Word((*word).to_owned()),
-            Value::File(name) => Self::Word(name.clone()),
+            Value::File(name) | Value::Name(Name(name)) => Self::Word(name.clone()),
         }
     }
 }

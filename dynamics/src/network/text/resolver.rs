@@ -353,7 +353,7 @@ impl<'a> Resolver<'a> {
                 Kind::Quantity { .. } | Kind::Count(_) => self
                     .quantity(name, node, kind)
                     .map(|si| Compiled::Scalar(Scalar::constant(si, dimension(kind)))),
-                Kind::Switch | Kind::Choice(_) | Kind::File => {
+                Kind::Switch | Kind::Choice(_) | Kind::File | Kind::Name => {
                     let value = node.get("value").unwrap_or(node);
                     match (&value.value, value.text()) {
                         (Tree::Flag(on), _) => Ok(Compiled::Truth(*on)),
