@@ -132,6 +132,7 @@ def calibrate(
     conflict: Literal["leave-out", "widen"] = "leave-out",
     next: bool = False,
     levels: int = 128,
+    redraw: Sequence[Literal["board", "nails", "support"]] = (),
     out: str | os.PathLike[str] | None = None,
     cache: Cache = None,
     store: str | os.PathLike[str] | None = None,
@@ -139,7 +140,8 @@ def calibrate(
 ) -> Calibration:
     """Conditions the ranges of a design on the measurements in a file, as ``nailnoise calibrate``.
 
-    ``hold_out`` names measurements that are only predicted. ``next`` ranks further measurements, and needs no file. ``out`` is a folder for
+    ``hold_out`` names measurements that are only predicted. ``next`` ranks further measurements, and needs no file. ``redraw`` names
+    what the calibrated design draws from the ranges of the design, for shots with others than those measured. ``out`` is a folder for
     the calibrated design and its joint draws; without it they are in a temporary folder that lives as long as the result. ``store`` is a
     folder that keeps candidates and draws in place of the cache; a calibration that was cut off continues from there.
     """
@@ -155,6 +157,7 @@ def calibrate(
         conflict,
         next,
         levels,
+        list(redraw),
         os.fspath(folder),
         *_cache(cache),
         None if store is None else os.path.abspath(store),

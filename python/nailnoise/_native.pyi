@@ -117,6 +117,7 @@ def calibrate(
     conflict: str,
     next: bool,
     levels: int,
+    redraw: list[str],
     folder: str,
     cache: str | None,
     keep: bool,

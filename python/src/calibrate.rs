@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use nailnoise::calibration::{self, Request, Treatment};
+use nailnoise::calibration::{self, Redrawn, Request, Treatment};
 use nailnoise::figures;
 use nailnoise::stages::Progress;
 use pyo3::prelude::*;
@@ -37,6 +37,7 @@ pub(crate) fn calibrate(
     conflict: &str,
     next: bool,
     levels: u32,
+    redraw: Vec<String>,
     folder: PathBuf,
     cache: Option<PathBuf>,
     keep: bool,
@@ -56,6 +57,12 @@ pub(crate) fn calibrate(
         .find(|(name, _)| *name == conflict)
         .map(|(_, own)| *own);
     let treatment = treatment.ok_or_else(|| value_error("conflict is \"leave-out\" or \"widen\""))?;
+    let redrawn = |name: &String| {
+        let class = Redrawn::ALL.into_iter().find(|(own, _)| own == name);
+        class.map(|(_, class)| class)
+    };
+    let redraw: Option<Vec<Redrawn>> = redraw.iter().map(redrawn).collect();
+    let redraw = redraw.ok_or_else(|| value_error("redraw is a list of \"board\", \"nails\" and \"support\""))?;
     let request = Request {
         draws: draws.next_multiple_of(2) as usize,
         moves: usize::from(moves.max(1)),
@@ -64,6 +71,7 @@ pub(crate) fn calibrate(
         treatment,
         next,
         levels: levels as usize,
+        redraw,
     };
     let (design, assignments) = (Arc::clone(&design.design), parsed(&design.assignments)?);
     let made = work::off_the_lock(py, report, move |observer| {

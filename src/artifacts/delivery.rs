@@ -129,7 +129,7 @@ impl Delivery<'_> {
             let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
             artifacts.files.par_iter().try_for_each(write)?;
             pending.write(&staging)?;
-            staging.place(&outdated, Path::new(LAST))
+            staging.place(&artifacts.outdated(folder, &outdated), Path::new(LAST))
         };
         let awaits_screening = source.awaits_screening(design, result);
         let save = || {

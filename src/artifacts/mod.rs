@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
-use crate::output::{File, LAST};
+use crate::output::{self, File, LAST};
 use crate::result::Check;
 use crate::stages::headline::Headline;
 use fields::{FieldFiles, PendingFields};
@@ -60,8 +60,16 @@ impl RunArtifacts {
         self.json = json.map_or_else(String::new, |file| String::from_utf8_lossy(&file.content).into_owned());
     }
 
+    /// Outdated files of fields, and outputs in a folder that another run left and this one does not have.
+    fn outdated(&self, folder: &Path, fields: &[PathBuf]) -> Vec<PathBuf> {
+        let is_left = |path: &&Path| self.files.iter().all(|own| own.path != **path) && folder.join(path).is_file();
+        let left = output::fixed_names().filter(is_left).map(Path::to_owned);
+        fields.iter().cloned().chain(left).collect()
+    }
+
     /// Writes the files that differ from those in `folder`; writes nothing if all are in place.
     fn restore(&self, folder: &Path, fields: &PendingFields, outdated: &[PathBuf]) -> Result<(), Error> {
+        let outdated = &self.outdated(folder, outdated)[..];
         let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content);
         let mut differing: Vec<&File> = self.files.par_iter().filter(differs).collect();
         if differing.is_empty() && fields.is_empty() && outdated.is_empty() {

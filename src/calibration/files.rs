@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::posterior::Posterior;
+use super::redraw::{Redrawn, is_redrawn};
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
 use crate::design::{Design, JointDraws, Name, Value};
 use crate::error::Error;
@@ -61,8 +62,11 @@ pub(super) fn files(
     design: &Design,
     result: &CalibrationResult,
     (table, joint): (&Table, &JointDraws),
+    redraw: &[Redrawn],
 ) -> Result<Files, Error> {
-    let moved = moved_keys(posterior, result, table);
+    let mut moved = moved_keys(posterior, result, table);
+    moved.retain(|own| !is_redrawn(redraw, own.key));
+    let joint = joint.without(|name| is_redrawn(redraw, name));
     let header = std::iter::once("draw".to_owned()).chain(table.names.iter().cloned());
     let rows = table.rows.iter().enumerate().map(|(draw, row)| {
         let numbers = row.iter().map(|own| {
@@ -76,7 +80,7 @@ pub(super) fn files(
     });
     Ok(Files {
         draws: output::table(header, rows)?,
-        joint: serde_json::to_vec(joint).map_err(Error::Json)?,
+        joint: serde_json::to_vec(&joint).map_err(Error::Json)?,
         design: calibrated(design, result, &moved),
         base: design.path().to_owned(),
     })

@@ -25,6 +25,7 @@ mod quantities;
 mod quantity_reader;
 mod random;
 mod reader;
+mod redraw;
 mod result;
 mod shot;
 mod shown;
@@ -43,6 +44,7 @@ pub use files::{Files, JOINT};
 pub use levels::{LevelRow, LevelWork};
 pub use next::{NextRow, next_of_study};
 pub use posterior::{Request, Treatment, Work};
+pub use redraw::Redrawn;
 pub use result::{
     CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, NOT_CONVERGED, PairRow, Verdict,
 };
@@ -124,7 +126,8 @@ pub fn calibrate(
         };
         result.next = levelled.next(&graph, request.levels, request.seed, progress)?;
     }
-    let files = files::files(&posterior, design, &result, (&table, &joint))?;
+    result.notes.extend(redraw::note(&request.redraw, &result.pairs));
+    let files = files::files(&posterior, design, &result, (&table, &joint), &request.redraw)?;
     Ok((result, files))
 }
 

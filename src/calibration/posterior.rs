@@ -14,6 +14,7 @@ use nailnoise_calibration::sampler::{Diagnostics, Sampler, Settings, State};
 use nailnoise_calibration::statistics::log_mean_exp;
 
 use super::measurements::Measurements;
+use super::redraw::Redrawn;
 use super::start::Start;
 use super::tool::{Tool, likelihood};
 use crate::error::Error;
@@ -60,6 +61,8 @@ pub struct Request {
     pub next: bool,
     /// Number of draws whose levels are computed, for measured levels and for what to measure next.
     pub levels: usize,
+    /// Classes of inputs that the calibrated design draws anew.
+    pub redraw: Vec<Redrawn>,
 }
 
 /// A conflict that was found.

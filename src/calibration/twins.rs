@@ -163,6 +163,7 @@ fn calibrated(design: &Design, text: &str, store: &Store, seed: u64) -> Calibrat
         treatment: Treatment::LeaveOut,
         next: false,
         levels: 128,
+        redraw: Vec::new(),
     };
     let tool = Tool::new(design, &measured, seed).unwrap();
     let calibration = Calibration {

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::atomic_write::AtomicWrite;
 use crate::calibration::{
-    self, CalibrationResult, CheckCost, CheckRequest, ConflictRow, LevelRow, NOT_CONVERGED, NextRow, Request,
+    self, CalibrationResult, CheckCost, CheckRequest, ConflictRow, LevelRow, NOT_CONVERGED, NextRow, Redrawn, Request,
     StructuresRequest, Treatment, calibrate_structures,
 };
 use crate::error::Error;
@@ -34,6 +34,8 @@ const NEXT_SHOWN: usize = 8;
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --hold-out depth-60" => "with one measurement as a \
         check",
     "nailnoise calibrate my-tool.toml --next" => "what to measure first",
+    "nailnoise calibrate my-tool.toml --measured my-shots.toml --redraw board" => "a design for other boards of the \
+        same wood",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --draws 256 --moves 12" => "a quick look",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --check 20" => "whether the calibrations of 20 virtual \
         tools contain their truth",
@@ -82,6 +84,10 @@ pub(super) struct Arguments {
     /// Number of draws whose levels are computed, for measured levels and for --next
     #[arg(long, value_name = "K", default_value_t = 128, value_parser = clap::value_parser!(u32).range(8..=4096))]
     levels: u32,
+    /// Draw these anew in `calibrated.toml`, from the ranges of the design, for shots with others than those measured
+    #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',',
+        conflicts_with_all = ["check", "structures"])]
+    redraw: Vec<Redrawn>,
     /// Keep candidates and draws in this folder, and not in the cache
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     store: Option<PathBuf>,
@@ -165,6 +171,7 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
         treatment: arguments.conflict,
         next: arguments.next,
         levels: arguments.levels as usize,
+        redraw: arguments.redraw.clone(),
     };
     let progress = progress();
     let set = &options.changes.set;

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::table::numbers;
 use super::{Shown, Status, bodies::Input, print_json};
+use crate::design::inputs;
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
 use crate::tables::fixed;
@@ -89,6 +90,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.input.start_threads()?;
     if let Some(tool) = arguments.input.assembled()? {
         let path = arguments.input.path();
+        if tool.has_design
+            && let Some(design) = arguments.input.whole_design()?
+        {
+            inputs::sensors::transducers(&design)?;
+        }
         return match &arguments.drawing {
             Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),
             None => super::assembly::check(&tool, path, arguments.json, arguments.shown),

@@ -10,7 +10,7 @@ use super::run::delivered;
 use super::{Common, Keeping, Status, print_json, status_of, table};
 use crate::artifacts::Delivery;
 use crate::atomic_write::AtomicWrite;
-use crate::design::{Assignment, Design};
+use crate::design::{Assignment, Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::optimisation::{Constraint, Objective, Optimisation, Request, Varied, design_over, optimise};
@@ -23,6 +23,9 @@ use crate::{figures, report};
 
 /// The page; the last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "optimise.html";
+
+/// The outcome that a shot must have by default.
+const DRIVES: &str = "drives";
 
 /// Designs at a time on a cluster, unless the user says otherwise.
 const ON_CLUSTER: u16 = 8;
@@ -46,8 +49,9 @@ pub(super) struct Arguments {
     /// total, a source, or a figure of the shot; with a minus it is maximised
     #[arg(long, value_name = "WHAT", default_value = "total", allow_hyphen_values = true)]
     minimise: Objective,
-    /// As "penetration >= 80 mm" or "exhaust <= 92 dB"; once for each constraint
-    #[arg(long, value_name = "CONSTRAINT", default_value = "outcome == drives")]
+    /// As "penetration >= 80 mm" or "exhaust <= 92 dB"; once for each constraint. Without one on the outcome,
+    /// "outcome == drives" is added if the tool has this outcome
+    #[arg(long, value_name = "CONSTRAINT")]
     subject_to: Vec<Constraint>,
     /// A second objective, for the front of both; with a minus it is maximised, as --pareto=-drive_energy
     #[arg(long, value_name = "WHAT", allow_hyphen_values = true)]
@@ -105,7 +109,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             .chain(&arguments.pareto)
             .cloned()
             .collect(),
-        constraints: arguments.subject_to.clone(),
+        constraints: constraints(arguments, &design, &progress)?,
         trials: arguments.trials as usize,
         seed: arguments.seed,
         batch: arguments.batch.unwrap_or(default).into(),
@@ -174,6 +178,25 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         true => Status::from(1),
         false => status_of(&checks),
     })
+}
+
+/// The constraints of the command line, and that the shot drives, unless they name another outcome.
+fn constraints(
+    arguments: &Arguments,
+    design: &Design,
+    progress: &crate::stages::Progress,
+) -> Result<Vec<Constraint>, Error> {
+    let mut constraints = arguments.subject_to.clone();
+    if constraints.iter().any(Constraint::is_of_outcome) {
+        return Ok(constraints);
+    }
+    match inputs::assembly::cycle(design)? {
+        Some(cycle) if cycle.assembly.outcomes.iter().all(|own| own.name != DRIVES) => {
+            progress.note("no constraint on the outcome: this tool has no outcome \"drives\", so every shot counts");
+        }
+        _ => constraints.push(format!("outcome == {DRIVES}").parse()?),
+    }
+    Ok(constraints)
 }
 
 /// Runs a design and leaves its report and result in a folder; its checks.

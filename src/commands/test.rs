@@ -28,7 +28,7 @@ const LAST: &str = "manifest.toml";
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise test my-tool.toml" => "recordings as a wrapping test makes them, in out/my-tool/test/",
+    "nailnoise test my-tool.toml" => "recordings as a wrapping test makes them, in out/my-tool-test/",
     "nailnoise test my-tool.toml --energies --wraps perfect" => "levels alone, with wraps that let nothing through",
 ))]
 pub(super) struct Arguments {

@@ -267,6 +267,8 @@ pub enum Problem {
         example: String,
         /// Number of missing keys.
         count: usize,
+        /// Whether it belongs to a member of a list, such as a sensor, which no base completes.
+        is_member: bool,
     },
     /// A derived quantity is inconsistent with its primary quantities.
     #[error("`{key}` is given as {given}, but it is computed: {}", computed(value, primaries))]
@@ -571,6 +573,15 @@ impl Problem {
                     .map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
                 format!("{meant}`nailnoise list {list}` prints all names; \"own\" is for values of your own")
             }
+            Self::Missing {
+                key,
+                example,
+                count,
+                is_member: true,
+            } => {
+                let others = if *count > 1 { ", and the other keys" } else { "" };
+                format!("add `{key} = {example}`{others}; `nailnoise schema` lists them")
+            }
             Self::Missing { key, example, .. } => format!(
                 "begin the file with `base = \"n80cb.toml\"` (relative to its folder) and give only what differs, \
                  or add `{key} = {example}`"
@@ -629,6 +640,7 @@ impl Problem {
             Self::BadDistribution { .. } => ["bad_distribution", "not possible here"],
             Self::NoFile { .. } => ["no_file", "no such file"],
             Self::UnknownName { .. } => ["unknown_name", "unknown name"],
+            Self::Missing { is_member: true, .. } => ["missing", "incomplete"],
             Self::Missing { .. } => ["missing", "no base here"],
             Self::Derived { .. } => ["derived", "disagrees"],
             Self::Conflict { .. } => ["conflict", "in conflict"],

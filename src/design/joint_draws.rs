@@ -52,6 +52,22 @@ impl JointDraws {
         }
     }
 
+    /// The draws without some keys, which are then drawn from their ranges.
+    pub(crate) fn without(&self, is_left_out: impl Fn(&str) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.names.len())
+            .filter(|&key| !is_left_out(&self.names[key]))
+            .collect();
+        Self {
+            names: kept.iter().map(|&key| self.names[key].clone()).collect(),
+            rows: self
+                .rows
+                .iter()
+                .map(|row| kept.iter().map(|&key| row[key]).collect())
+                .collect(),
+            ..self.clone()
+        }
+    }
+
     /// Number of the row for a candidate of a study; the first row depends on the seed.
     pub(crate) fn row_of(&self, candidate: u64, seed: u64) -> usize {
         let count = self.rows.len() as u64;

@@ -88,9 +88,12 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut derived = MergedDerived::default();
     let (names, agreeing) = merge_layers(&mut merged, &mut derived, layers)?;
     let default = study::default_range(&studies);
+    let has_workpiece = merged
+        .get("workpiece.length")
+        .is_some_and(|merged| merged.value.is_some());
     complete(&merged, chain).map_err(|error| match &assembly {
-        Some(text) => assembly::only_assembly(text, chain),
-        None => error,
+        Some(text) if !has_workpiece => assembly::only_assembly(text, chain),
+        _ => error,
     })?;
 
     let ambient = match merged.get("ambient.pressure").and_then(|merged| merged.value.as_ref()) {
@@ -251,17 +254,27 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
         .filter(|(other, _)| is_member && other.rsplit_once('.').is_some_and(|(own, _)| own == group));
     let places = beside.filter_map(|(_, merged)| merged.value.as_ref().map(|(.., place)| (merged.depth, place)));
     let first = places.min_by_key(|(depth, place)| (*depth, place.span().start));
-    let mut error = missing(key, count, example, chain);
-    if let Some((_, place)) = first {
-        error.at = Some(place.clone());
+    let at = chain[chain.len() - 1].place(0..0);
+    let at = first.map_or(at, |(_, place)| place.clone());
+    Err(Problem::Missing {
+        key,
+        example,
+        count,
+        is_member,
     }
-    Err(error)
+    .at(at))
 }
 
 fn missing(key: String, count: usize, example: String, chain: &[File]) -> DesignError {
     // The chain contains at least the design itself.
     let at = chain[chain.len() - 1].place(0..0);
-    Problem::Missing { key, example, count }.at(at)
+    Problem::Missing {
+        key,
+        example,
+        count,
+        is_member: false,
+    }
+    .at(at)
 }
 
 fn example(kind: Kind) -> String {

@@ -108,7 +108,7 @@ impl Constraint {
     }
 
     /// Whether it is about the outcome.
-    pub(super) fn of_outcome(&self) -> bool {
+    pub fn is_of_outcome(&self) -> bool {
         self.figure == OUTCOME
     }
 

@@ -222,7 +222,7 @@ fn refuse_unknown(shot: &Shot, objectives: &[Objective], constraints: &[Constrai
     let figures = shot.figures.iter().map(|(name, _)| name.as_str());
     let held = constraints
         .iter()
-        .filter(|own| !own.of_outcome())
+        .filter(|own| !own.is_of_outcome())
         .map(|own| &own.figure);
     let mut named = objectives.iter().map(|own| &own.figure).chain(held);
     let known = |name: &&String| is_level(name) || figures.clone().any(|own| own == name.as_str());

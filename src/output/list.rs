@@ -1,5 +1,7 @@
 //! The outputs of a run.
 
+use std::path::Path;
+
 use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
@@ -42,6 +44,13 @@ pub const OUTPUTS: [Output; 26] = [
     loudness::LOUDNESS,
     figures::FIGURES,
 ];
+
+/// Paths of the outputs that are single files with the same name in every run.
+pub(crate) fn fixed_names() -> impl Iterator<Item = &'static Path> {
+    let files = OUTPUTS.iter().filter(|output| !matches!(output.writer, Writer::Bodies));
+    let names = files.map(|output| output.name).filter(|name| !name.contains('*'));
+    names.map(Path::new)
+}
 
 /// Files of a cycle, for which no source is needed.
 ///

@@ -47,6 +47,7 @@ pub use columns::{Column, columns, columns_of};
 pub(crate) use dataset::table_hdf5;
 pub use file::File;
 pub use film::Fields;
+pub(crate) use list::fixed_names;
 pub use list::{OUTPUTS, of_cycle, of_keys, of_run, of_study};
 pub use microphones::sounds;
 pub use modal_shapes::{write_modes, write_motion, write_universal};

@@ -74,6 +74,10 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
         "unused surfaces, because their body is built in or absent",
         &inputs.idle_surfaces,
     ));
+    shot.extend(list(
+        "unused pressure transducers, because the tool does not have their chamber",
+        &inputs.idle_transducers,
+    ));
     let guessed: Vec<&str> = inputs.guessed.iter().map(String::as_str).collect();
     shot.extend(list(
         "surfaces recognised by shape, because the body's file does not name them",
@@ -89,10 +93,6 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     methods.extend(list(
         "unused sensors, because their body is not in this design",
         &inputs.idle_sensors,
-    ));
-    methods.extend(list(
-        "unused pressure transducers, because the tool does not have their chamber",
-        &inputs.idle_transducers,
     ));
     let limited: Vec<String> = inputs
         .limited_sensors

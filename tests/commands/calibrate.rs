@@ -466,3 +466,50 @@ fn a_check_places_the_truths_of_virtual_tools_and_goes_on_where_it_ended() {
     assert_eq!(check("1").status.code(), Some(0));
     assert!(read() != first);
 }
+
+/// A design for other boards draws the board from its own ranges, and the tool jointly.
+#[test]
+fn a_redrawn_board_keeps_the_ranges_of_the_design() {
+    let (folder, design) = made("redrawn", &measurements("-25 mm", "1 mm"));
+    let names = |arguments: &[&str]| {
+        let output = calibrate(&folder, &design, &[&["--draws", "64"], arguments].concat());
+        assert!(
+            output.status.code().is_some_and(|code| code != 2),
+            "{}",
+            messages(&output)
+        );
+        let read = |name: &str| fs::read_to_string(folder.join("out/calibration").join(name)).unwrap();
+        let joint: Value = serde_json::from_str(&read("calibrated.draws")).unwrap();
+        let names = joint["names"].as_array().unwrap().iter();
+        let names: Vec<String> = names.map(|name| name.as_str().unwrap().to_owned()).collect();
+        assert!(
+            joint["rows"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .all(|row| row.as_array().unwrap().len() == names.len())
+        );
+        (names, read("calibrated.toml"))
+    };
+    let (all, _) = names(&[]);
+    let (kept, design) = names(&["--redraw", "board"]);
+    assert!(all.iter().any(|name| name == "wood.density"), "{all:?}");
+    let board = |name: &String| name.starts_with("wood.") || name.starts_with("workpiece.");
+    let left: Vec<&String> = kept.iter().filter(|name| board(name)).collect();
+    assert!(
+        left.iter().all(|name| name.ends_with("_scale")
+            || name.ends_with("_term")
+            || name.contains("unloading")
+            || name.contains("friction_share")
+            || name.contains("penetration_force")),
+        "{left:?}"
+    );
+    assert_eq!(
+        all.iter().filter(|name| !board(name)).count(),
+        kept.iter().filter(|name| !board(name)).count()
+    );
+    assert!(
+        !design.contains("wood.density") && !design.contains("workpiece."),
+        "{design}"
+    );
+}

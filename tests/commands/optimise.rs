@@ -145,3 +145,37 @@ fn a_search_that_cannot_be_says_why() {
         "loosen a constraint",
     );
 }
+
+/// A constraint on a figure does not lift the requirement that the shot drives; one on the outcome replaces it.
+#[test]
+fn a_shot_must_drive_unless_a_constraint_names_another_outcome() {
+    let folder = folder("optimise/outcome");
+    let outcomes = |constraint: &str| {
+        let vary = "supply.pressure=40psig..110psig";
+        let mut command = command(&["optimise", SMALL, "--vary", vary, "--trials", "4", "--json"]);
+        command
+            .args(["--subject-to", constraint])
+            .arg("--out")
+            .arg(folder.join("found"));
+        let found = json(&command.env("NAILNOISE_CACHE", folder.join("cache")).output().unwrap());
+        let feasible = found["trials"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|own| own["feasible"] == true);
+        let outcomes: Vec<String> = feasible
+            .map(|own| own["outcome"].as_str().unwrap().to_owned())
+            .collect();
+        outcomes
+    };
+    let driven = outcomes("penetration >= 1 mm");
+    assert!(
+        !driven.is_empty() && driven.iter().all(|own| own == "drives"),
+        "{driven:?}"
+    );
+    let short = outcomes("outcome == underdriven");
+    assert!(
+        !short.is_empty() && short.iter().all(|own| own == "underdriven"),
+        "{short:?}"
+    );
+}

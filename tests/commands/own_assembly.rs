@@ -1,4 +1,5 @@
-//! `run --set`, `compare`, `sweep`, `study`, `optimise` and `test` of a tool that its own file describes: the tacker of the page.
+//! `run --set`, `compare`, `sweep`, `study`, `optimise` and `test` of a tool that its own file describes: the tacker of
+//! the page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -153,4 +154,23 @@ fn a_virtual_test_of_an_assembly_has_its_sources() {
     let ((wide, keys), (narrow, _)) = (exact("30mm2"), exact("15mm2"));
     assert!(narrow < wide - 0.5, "{narrow} dB against {wide} dB");
     assert_eq!(keys, ["supply.pressure", "wood.resistance_scale"]);
+}
+
+/// A run removes the outputs that an earlier run left in its folder and that it does not have itself.
+#[test]
+fn outputs_of_an_earlier_run_are_removed() {
+    let (folder, design) = made("outdated");
+    let transducer = "[transducers.P1]\nchamber = \"vessel\"\nposition = \"0 mm\"\ndischarge_time = \"1 s\"\n";
+    let text = fs::read_to_string(&design).unwrap();
+    let with = folder.join("with.toml");
+    fs::write(&with, format!("{text}\n{transducer}")).unwrap();
+    let readings = folder.join("out/transducers.csv");
+    // The second time, the files of both runs come from the cache.
+    for _ in 0..2 {
+        printed(&folder, &["run", with.to_str().unwrap()]);
+        assert!(readings.is_file());
+        printed(&folder, &["run", &design]);
+        assert!(!readings.exists());
+        assert!(folder.join("out/modes.csv").is_file() && folder.join("out/report.html").is_file());
+    }
 }

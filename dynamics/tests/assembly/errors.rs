@@ -227,6 +227,14 @@ fn laws_of_the_network_are_checked() {
             &["has no field `area`", "area = \"20 mm2\""],
         ),
         (
+            "[cycle.opening.vent]\narea = \"=2*trigger.vent_area\"",
+            &[
+                "`cycle.opening.vent.area` gives ",
+                "but the restriction has",
+                "leave out `area` and `diameter`",
+            ],
+        ),
+        (
             "[cycle.opening]\nvent = false",
             &["cycle.passage.vent", "without an opening", "silent = true"],
         ),

@@ -150,8 +150,9 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
             if random.chance(50) {
                 line("silent = true", &mut text);
             } else {
-                let opening =
-                    format!("[cycle.opening.o{volume}]\npassage = \"p{volume}\"\ncount = 2\ndiameter = \"4 mm\"");
+                let is_constant = ["pipe", "series", "area"].iter().any(|kind| opens.starts_with(kind));
+                let diameter = if is_constant { "" } else { "\ndiameter = \"4 mm\"" };
+                let opening = format!("[cycle.opening.o{volume}]\npassage = \"p{volume}\"\ncount = 2{diameter}");
                 line(&opening, &mut text);
             }
         }

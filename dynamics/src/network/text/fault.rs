@@ -172,6 +172,14 @@ pub enum Fault {
         /// Passage of the opening.
         passage: String,
     },
+    /// An opening has another area than its restriction.
+    #[error("gives {:.2} mm2, but the restriction has {:.2} mm2", 1e6 * found, 1e6 * restriction)]
+    OpeningArea {
+        /// Area of the opening \[m2\].
+        found: f64,
+        /// Constant area of the restriction \[m2\].
+        restriction: f64,
+    },
     /// A passage connects a space to itself.
     #[error("leads from \"{space}\" back to itself")]
     SelfLoop {
@@ -296,6 +304,11 @@ impl Fault {
             Self::Word { found, words } => choose(found, words, "choose one of"),
             Self::SingleRestriction { .. } => {
                 "leave it out; `restriction = false` in your opening drops that of the assembly which you change"
+                    .to_owned()
+            }
+            Self::OpeningArea { .. } => {
+                "leave out `area` and `diameter`: an opening has the constant area of its restriction; with `count`, \
+                 `diameter` is that of one of several equal holes"
                     .to_owned()
             }
             Self::SelfLoop { .. } => "name two spaces in `between`".to_owned(),

@@ -12,6 +12,9 @@ use crate::network::text::node::Node;
 use crate::network::text::resolver::Resolver;
 use crate::network::text::table::TableSpec;
 
+/// Largest difference of an opening's area from that of its restriction, as a fraction of it: dimensions are rounded.
+const AREA_TOLERANCE: f64 = 0.01;
+
 pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Opening>, AssemblyError> {
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let passage = fields.index("passage", Family::Passage, "passage")?;
@@ -52,6 +55,22 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
                 return Err(fields.own_error(Fault::Exclusive { fields: fields_found }));
             }
         };
+        if let Some(restriction) = constant
+            && (area - restriction).abs() > AREA_TOLERANCE * restriction
+        {
+            let field = if fields.quantity("area")?.is_some() {
+                "area"
+            } else {
+                "diameter"
+            };
+            return Err(fields.error(
+                field,
+                Fault::OpeningArea {
+                    found: area,
+                    restriction,
+                },
+            ));
+        }
         Ok(Opening {
             name: name.to_owned(),
             passage,
