@@ -186,8 +186,8 @@ impl FittingWall {
     /// 2 g(kd) sqrt(E_b E_w),  g = min(1, 3/kd)
     /// ```
     ///
-    /// of either sign, because g bounds 3 [sin x/x + 2 cos x/x^2 - 2 sin x/x^3] of dipoles behind each other and half of
-    /// that side by side.
+    /// of either sign, because g bounds 3 (sin x/x + 2 cos x/x^2 - 2 sin x/x^3) of dipoles behind each other and half
+    /// of that side by side.
     pub(super) fn widened(&self, whole: &Sound, wall: &Sound, (air, range_hz): (&Air, [f64; 2])) -> Uncertainty {
         let spectrum = &wall.spectrum;
         let weights = energy_weights(&spectrum.frequency, range_hz, Weighting::A);
