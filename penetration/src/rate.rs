@@ -3,6 +3,7 @@
 use super::REFERENCE_SPEED;
 use super::dual::Real;
 use super::shanks::Shanks;
+use super::speed_terms::SpeedTerms;
 use super::wood::{HeadLaw, NailedWood, RateLaw};
 
 /// Split of a quasi-static resistance F(z) into friction along the shank and deformation at the tip, each with its
@@ -30,35 +31,6 @@ pub(super) struct RateSplit {
     speed: Option<SpeedTerms>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct SpeedTerms {
-    crushing: f64,
-    rest: f64,
-    sliding: f64,
-    width: f64,
-}
-
-impl SpeedTerms {
-    /// m(v) and its derivative.
-    fn friction(&self, v: f64) -> (f64, f64) {
-        // Newton steps may pass through small negative speeds.
-        let fall = (self.rest - self.sliding) * (-v.max(-self.width) / self.width).exp();
-        let slope = if v > -self.width { -fall / self.width } else { 0.0 };
-        (self.sliding + fall, slope)
-    }
-
-    /// 1 + beta lg(v/v_ref) and its derivative.
-    fn crushing(&self, v: f64) -> (f64, f64) {
-        let ratio = v / REFERENCE_SPEED;
-        let square = 1.0 + ratio * ratio;
-        let derivative = ratio / (square * REFERENCE_SPEED * std::f64::consts::LN_10);
-        (
-            1.0 + 0.5 * self.crushing * (0.5 * square).log10(),
-            self.crushing * derivative,
-        )
-    }
-}
-
 impl RateSplit {
     /// The split of a law with the force `full` \[N\] at the nail's whole length.
     pub(super) fn new(wood: &NailedWood, shanks: &Shanks, full: f64, length: f64) -> Self {
@@ -71,6 +43,15 @@ impl RateSplit {
                 sliding: wood.friction_sliding,
                 width: wood.friction_speed,
             }),
+        }
+    }
+
+    /// The split of a fitted law that is quasi-static, with the dependence on speed of its own tests.
+    pub(super) fn fitted(friction_share: f64, speed: SpeedTerms, full: f64, length: f64) -> Self {
+        Self {
+            friction_slope: friction_share * full / length,
+            coating: 1.0,
+            speed: Some(speed),
         }
     }
 

@@ -108,8 +108,11 @@ impl Resistance {
         let impact = quasi_static.fitted().map_or(0.0, LawOfDrive::usual_impact);
         let full = quasi_static.evaluate(specimen.length, 0.0, impact);
         // A fitted law contains the effects of speed and coating of its own tests.
-        let split = match quasi_static.law {
-            Law::Fitted(_) => RateSplit::inert(&shanks, full, specimen.length),
+        let split = match &quasi_static.law {
+            Law::Fitted(law) => match law.rate() {
+                Some(own) => RateSplit::fitted(own.friction_share, own.speed, full, specimen.length),
+                None => RateSplit::inert(&shanks, full, specimen.length),
+            },
             _ => RateSplit::new(wood, &shanks, full, specimen.length),
         };
         Self {

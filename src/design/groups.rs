@@ -95,7 +95,8 @@ choice! {
 
 group! {
     /// Pipe fitting on the exhaust holes, such as the one that carries a muffler in a wrapping test: a quarter-wave
-    /// resonator that the choked holes close. It filters the unsteady outflow and excludes a muffler.
+    /// resonator that the choked holes close. It filters the unsteady outflow and excludes a muffler. Its wall moves
+    /// with the tool and radiates; it points as the jets do (`thrust_share`).
     Fitting {
         /// The kind of fitting; the other keys are used for a pipe only.
         kind: FittingKind = FittingKind::KIND, "";
@@ -103,6 +104,8 @@ group! {
         length: f64 = positive(LENGTH), "L";
         /// Inner diameter.
         diameter: f64 = positive(LENGTH), "d";
+        /// Thickness of its wall.
+        wall_thickness: f64 = positive(LENGTH), "t";
         /// Mach number of the mean flow at the outlet, whose jet damps the resonances.
         outlet_mach: f64 = nonnegative(NUMBER).within(0.0, 1.0), "M";
     }

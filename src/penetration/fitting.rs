@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use nailnoise_penetration::fit::{
-    Cleaning, Drive, FitError, FittedLaw, Flag, Form, Leave, Method, Reduction, Scatter, Split, Validation, Variable,
-    fit, reduce, split, validate,
+    Cleaning, Drive, FitError, FittedLaw, Flag, Form, Leave, Method, RateChoice, Reduction, Scatter, Split, Validation,
+    Variable, WithoutRate, fit, reduce, split, validate, without_rate,
 };
+use nailnoise_penetration::{REFERENCE_SPEED, SpeedTerms};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -30,10 +31,23 @@ pub struct Options {
     pub leave: Option<Leave>,
     /// Whether friction and deformation are separated.
     pub split: bool,
+    /// The law of the speed by which forces are divided; `None` if the form has the effect of speed.
+    pub rate: Option<Rate>,
     /// How recordings become points.
     pub cleaning: Cleaning,
     /// Whether designs may use the law outside the range of its data.
     pub extrapolate: bool,
+}
+
+/// Settings of a fit with a law of the speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Rate {
+    /// Share of friction in the force at full depth; `None` takes that of second drives, else the default.
+    pub share: Option<f64>,
+    /// Share without second drives.
+    pub default_share: f64,
+    /// Whether beta and v_m are estimated.
+    pub estimate: bool,
 }
 
 /// A fitted law, with its quality and notes.
@@ -128,14 +142,47 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
         ));
     }
     let refuse = |error: FitError| refused(error, &all, data);
+    let split = match options.split {
+        true => Some(parts(&all, &drives, &again, data)?),
+        false => None,
+    };
+    let method = options.method.unwrap_or_else(|| Method::of(&options.form, &drives));
+    let divided = options.rate.map(|rate| {
+        let measured = split.as_ref().map(|split| split.friction_share);
+        let choice = RateChoice {
+            friction_share: rate.share.or(measured).unwrap_or(rate.default_share),
+            speed: SpeedTerms::default(),
+            estimate: rate.estimate,
+        };
+        without_rate(&options.form, &drives, method, &choice)
+    });
+    let rate = match divided.transpose().map_err(refuse)? {
+        Some(WithoutRate { drives: slow, rate }) => {
+            drives = slow;
+            Some(rate)
+        }
+        None => None,
+    };
     let (form, reduction) = if options.reduce {
-        reduce(&options.form, &drives, options.method).map_err(refuse)?
+        reduce(
+            &options.form,
+            &drives,
+            rate.as_ref().map_or(options.method, |_| Some(method)),
+        )
+        .map_err(refuse)?
     } else {
         (options.form.clone(), Vec::new())
     };
-    let method = options.method.unwrap_or_else(|| Method::of(&form, &drives));
+    let method = match rate {
+        Some(_) => method,
+        None => options.method.unwrap_or_else(|| Method::of(&form, &drives)),
+    };
     let fitted = fit(&form, &drives, method).map_err(refuse)?;
     let law = fitted.law.with_data(digests, options.extrapolate);
+    let law = match rate {
+        Some(rate) => law.with_rate(rate),
+        None => law,
+    };
     let validation = match (
         validate(&form, &drives, method, options.leave.unwrap_or(Leave::Group)),
         options.leave,
@@ -143,11 +190,6 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
         (Ok(validation), _) => Some(validation),
         (Err(_), None) => None,
         (Err(error), Some(_)) => return Err(refuse(error)),
-    };
-    let split = if options.split {
-        Some(parts(&all, &drives, &again, data)?)
-    } else {
-        None
     };
     notes.extend(remarks(&law, &drives, method));
     Ok(Fitting {
@@ -232,7 +274,16 @@ fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if !law.dynamic() {
+    if let Some(rate) = &file.rate {
+        notes.push(format!(
+            "the law is that at {:.2} mm/s, and residuals.csv has the forces at that speed; a design multiplies it by \
+             the law of the speed, whatever its wood.rate",
+            1e3 * REFERENCE_SPEED
+        ));
+        if rate.speeds_m_s[1] < 1.0 {
+            notes.push("no drive is faster than 1 m/s: the law of the speed is not that of these tests".to_owned());
+        }
+    } else if !law.dynamic() {
         notes.push(format!(
             "the tests end at {:.3} mm/s; a design uses the law at that speed, and what the wood does at 25 m/s is \
              not known \

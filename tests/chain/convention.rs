@@ -1,11 +1,12 @@
 //! Bookkeeping of the sources: parts that the convention of wrapping moves from one source to another, and parts that
 //! stay.
 
+use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use nailnoise::Design;
 use nailnoise::chain::{Chain, Options};
-use nailnoise::design::{Convention, RadiationMethod, VentSource};
+use nailnoise::design::{Convention, FittingKind, RadiationMethod, VentSource};
 use nailnoise::result::{BandLevel, IntervalLevel, RankedSource};
 use nailnoise::run::Run;
 use nailnoise_meshes::{FaceGroup, FaceRef, Surface};
@@ -203,6 +204,72 @@ fn the_cap_is_a_part_of_the_exhaust_and_the_vent_of_the_source_that_the_design_g
             .iter()
             .any(|note| note.contains("selective wrapping"))
     );
+}
+
+/// The same tool with a pipe on its exhaust.
+fn fitted(convention: Convention) -> Design {
+    let mut design = capped(convention, VentSource::Body);
+    design.exhaust.fitting.kind = FittingKind::Pipe;
+    design
+}
+
+static FITTED: LazyLock<[Run; 2]> = LazyLock::new(|| {
+    [Convention::Physical, Convention::Wrapping].map(|convention| try_run(&fitted(convention), store()).unwrap().0)
+});
+
+#[test]
+fn the_wall_of_a_fitting_counts_to_the_body_or_to_the_exhaust_and_the_totals_are_equal() {
+    let [physical, wrapping] = &*FITTED;
+    let has = |run: &Run, name: &str, part: &str| source(run, name).components.iter().any(|own| own.name == part);
+    assert!(has(physical, "body", "fitting") && !has(physical, "exhaust", "cap and fitting"));
+    assert!(has(wrapping, "exhaust", "cap and fitting") && has(wrapping, "body", "cap, counted elsewhere"));
+    assert!(!has(wrapping, "body", "fitting"));
+    let sum = |run: &Run, band: usize| -> f64 {
+        let of = |own: &RankedSource| stated(own.bands[band].lw_db, own.bands[band].energies_j.map(|e| e[0]));
+        run.result.ranking.iter().map(of).sum()
+    };
+    for band in 0..physical.result.ranking[0].bands.len() {
+        equal(sum(physical, band), sum(wrapping, band), 1e-12, &format!("band {band}"));
+    }
+    let [a, b] = [physical, wrapping].map(|run| energy(run.result.total.lwa_db));
+    equal(a, b, 1e-12, "total");
+    let [a, b] = [physical, wrapping].map(|run| energy(run.microphones.report.total.lwa_db));
+    equal(a, b, 1e-11, "level by the array");
+}
+
+#[test]
+fn the_fitting_adds_its_own_energy_to_the_body() {
+    let (with, without) = (source(&FITTED[0], "body"), source(&PHYSICAL, "body"));
+    let own = with.components.iter().find(|part| part.name == "fitting").unwrap();
+    for (with, (without, own)) in with.bands.iter().zip(without.bands.iter().zip(&own.bands)) {
+        let [with, without, own] = [with.lw_db, without.lw_db, own.lw_db].map(energy);
+        assert!(own > 0.0);
+        equal(with, without + own, 1e-9, "band");
+    }
+}
+
+#[test]
+fn a_tool_without_fitting_is_the_same_whatever_its_wall() {
+    let mut design = capped(Convention::Wrapping, VentSource::Body);
+    design.exhaust.fitting.wall_thickness *= 2.0;
+    let other = try_run(&design, store()).unwrap().0;
+    let [other, own] = [&other, &*WRAPPING].map(|run| serde_json::to_string(&run.result.ranking).unwrap());
+    assert_eq!(other, own);
+}
+
+#[test]
+fn a_fitting_across_the_axis_of_a_rigid_tool_is_a_dipole_of_twice_the_mass_that_it_displaces() {
+    let mut design = fitted(Convention::Physical);
+    design.body.model = nailnoise::design::BodyModel::Rigid;
+    let run = try_run(&design, store()).unwrap().0;
+    let body = source(&run, "body");
+    let own = body.components.iter().find(|part| part.name == "fitting").unwrap();
+    let [whole, own] = [body.bands[0].lw_db, own.bands[0].lw_db].map(energy);
+    let pipe = &design.exhaust.fitting;
+    let displaced = 0.25 * PI * (pipe.diameter + 2.0 * pipe.wall_thickness).powi(2) * pipe.length;
+    // The tool is a sphere, whose added mass is half of the mass that it displaces.
+    let dipoles = 2.0 * displaced / (1.5 * design.body.volume(design.piston.bore));
+    equal(own / (whole - own), dipoles * dipoles, 0.03, "energy at 50 Hz");
 }
 
 /// A draw sums the parts of a surface before the motion multiplies them, a run after it: both round in single

@@ -10,7 +10,7 @@ use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::jets::Jet;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 fn small() -> Design {
@@ -352,5 +352,53 @@ fn a_range_beyond_the_usual_bands_has_bands_that_sum_to_its_levels() {
             bands[0].hz <= 1.13 * low && bands[bands.len() - 1].hz >= high / 1.13,
             "{low} {high}"
         );
+    }
+}
+
+/// Below its modes the block moves as a whole: its motion in bands is that of a sensor on its top.
+///
+/// int E_kin dt = m/2 int v^2 dt, and the mean of v_n^2 over the surface is v^2 times the share of top and underside.
+/// The sensor is where the block, which the nail's force bends a little, moves as its mean.
+#[test]
+fn the_motion_of_a_rigid_block_in_bands_is_that_of_its_sensor() {
+    let mut design = bonded();
+    (design.nail.offset_along, design.nail.offset_across) = (0.0, 0.0);
+    let sensor = design.sensors.get_mut("block_top").unwrap();
+    (sensor.x, sensor.y) = (0.115, 0.0);
+    let run = scaled(&design, 1.0);
+    let record = run.sensors.iter().find(|own| own.name == "block_top").unwrap();
+    // int v^2 dt = 2 int |A/omega|^2 df
+    let square = |hz: f64| {
+        let omega = TAU * hz;
+        let mut sums = [0.0; 2];
+        for (sample, a) in record.acceleration.iter().enumerate() {
+            let (sine, cosine) = (omega * sample as f64 * record.interval).sin_cos();
+            sums[0] += a * cosine * record.interval;
+            sums[1] += a * sine * record.interval;
+        }
+        2.0 * (sums[0] * sums[0] + sums[1] * sums[1]) / (omega * omega)
+    };
+    let block = &design.workpiece;
+    let [length, width, height] = [block.length, block.width, block.thickness];
+    let mass = design.wood.density * length * width * height;
+    let share = length * width / (length * width + height * (length + width));
+    let motion = run.motion.iter().find(|own| own.body == "workpiece").unwrap();
+    let bands: Vec<_> = motion
+        .bands
+        .iter()
+        .filter(|band| (90.0..170.0).contains(&band.hz))
+        .collect();
+    assert_eq!(bands.len(), 3);
+    for band in bands {
+        let [low, high] = [-0.05, 0.05].map(|power| band.hz * 10f64.powf(power));
+        let steps = 40;
+        let step = (high - low) / f64::from(steps);
+        let squares: f64 = (0..steps)
+            .map(|k| step * square(low + (f64::from(k) + 0.5) * step))
+            .sum();
+        let kinetic = band.kinetic / (0.5 * mass * squares);
+        assert!((kinetic - 1.0).abs() < 0.05, "{} Hz: {kinetic}", band.hz);
+        let surface = band.velocity.powi(2) / (2.0 * band.kinetic * share / mass);
+        assert!((surface - 1.0).abs() < 0.01, "{} Hz: {surface}", band.hz);
     }
 }

@@ -550,6 +550,63 @@ fn laws_that_the_data_do_not_determine_are_refused() {
     );
 }
 
+#[test]
+fn speeds_that_do_not_determine_the_law_of_the_speed_are_refused() {
+    let one = [
+        ("drives.csv", "3.333e-4", "8.333e-3"),
+        ("drives.csv", "3.333e-4", "8.333e-3"),
+    ];
+    let refusal = ["do not determine beta and v_m", "--rate speed"];
+    refused("one-speed", &one, &["--rate", "estimate"], &refusal);
+    refused("slow-speeds", &[], &["--rate", "estimate"], &refusal);
+    let form = ["--rate", "speed", "--form", "poly(x,3) + rate"];
+    refused(
+        "rate-twice",
+        &[],
+        &form,
+        &["the term rate depends on the speed", "--rate none"],
+    );
+    refused(
+        "share",
+        &[],
+        &["--rate", "speed", "--friction-share", "1.2"],
+        &["from 0 to 1"],
+    );
+}
+
+/// A law from slow drives is hardly changed by the law of the speed, whose speed of reference is theirs.
+#[test]
+fn the_law_of_the_speed_is_written_with_the_fit() {
+    let folder = folder("prf-fit-rate");
+    fs::write(folder.join("drives.csv"), DRIVES).unwrap();
+    for (place, id) in ["a1", "a2", "b1", "b2"].into_iter().enumerate() {
+        fs::write(folder.join(format!("{id}.csv")), recording(0.01 * place as f64)).unwrap();
+    }
+    let (data, out) = (folder.join("drives.csv"), folder.join("out"));
+    let fit = |extra: &[&str]| {
+        let mut all = vec!["prf", "fit", data.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        all.extend(["--form", "poly(x,3)"]);
+        all.extend(extra);
+        let output = nailnoise(&all);
+        assert!(output.status.success(), "{}", messages(&output));
+        (
+            String::from_utf8(output.stdout).unwrap(),
+            fs::read_to_string(out.join("fit.toml")).unwrap(),
+        )
+    };
+    let (_, plain) = fit(&[]);
+    assert!(!plain.contains("[rate"));
+    let (said, divided) = fit(&["--rate", "speed", "--friction-share", "0.5"]);
+    assert!(
+        said.contains("divided out: beta 0.050, v_m 1.000 m/s, friction 0.50"),
+        "{said}"
+    );
+    assert!(
+        divided.contains("[rate.speed]") && divided.contains("friction_share = 0.5"),
+        "{divided}"
+    );
+}
+
 /// Depth in mm and force in kN of a universal file are those of the CSV file in SI units.
 #[test]
 fn a_universal_file_is_the_same_recording() {

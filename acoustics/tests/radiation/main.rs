@@ -11,6 +11,7 @@ mod compact;
 mod energy;
 mod intervals;
 mod parts;
+mod pipe;
 mod receivers;
 mod sampling;
 mod skin;

@@ -129,7 +129,7 @@ pub fn with_bars(bars: &Bars, p: &Parameters, record: &CycleRecord) -> Option<Bl
     let mut run = BlowIntegration::new(bars, p, record, start, speed);
     let mut on_wood = record.forces.penetration.clone();
     let mut rod_on_nail = vec![0.0; record.len()];
-    let mut impulse = 0.0;
+    let (mut impulse, mut from) = (0.0, start);
     for sample in first..=last {
         let end = (sample as f64 + 0.5) * dt_record;
         let mean = run.until(end);
@@ -137,9 +137,9 @@ pub fn with_bars(bars: &Bars, p: &Parameters, record: &CycleRecord) -> Option<Bl
         let weight = (0.5 * PI * remaining).sin().powi(2);
         on_wood[sample] += weight * (mean.on_wood - on_wood[sample]);
         rod_on_nail[sample] = mean.rod_on_nail;
-        if end <= stop {
-            impulse += record.forces.penetration[sample] * mean.duration;
-        }
+        // The bars step past the end of an interval, so its duration is not that between the ends of the intervals.
+        impulse += record.forces.penetration[sample] * (end.min(stop) - from.min(stop));
+        from = end;
     }
     Some(Blow {
         on_wood,
@@ -153,7 +153,6 @@ pub fn with_bars(bars: &Bars, p: &Parameters, record: &CycleRecord) -> Option<Bl
 
 /// Averages over a period of time.
 struct Means {
-    duration: f64,
     on_wood: f64,
     rod_on_nail: f64,
 }
@@ -234,7 +233,6 @@ impl<'a> BlowIntegration<'a> {
         let duration = self.time - from;
         let mean = |impulse: f64| if duration > 0.0 { impulse / duration } else { 0.0 };
         Means {
-            duration,
             on_wood: mean(wood),
             rod_on_nail: mean(rod),
         }

@@ -2,6 +2,7 @@
 
 use super::form::{Term, VARIABLES, Variable};
 use super::law::{FittedLaw, SLACK};
+use super::rate_fit::FittedRate;
 
 /// C times a product of powers of depth, speed and impact speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +25,8 @@ pub struct LawOfDrive {
     usual_impact: f64,
     /// Range of valid impact speeds \[m/s\].
     impacts: [f64; 2],
+    /// Dependence on speed that the tests had and the quasi-static law does not contain.
+    rate: Option<FittedRate>,
 }
 
 /// Force with its derivatives.
@@ -104,9 +107,15 @@ impl LawOfDrive {
                 .map_or(reference, |[low, high]| 0.5 * (low + high)),
             terms,
             impacts,
+            rate: law.file().rate.clone(),
             length: specimen.length,
             scale: specimen.hardness_modulus * specimen.length,
         }
+    }
+
+    /// Dependence on speed that multiplies the law, if the fit has divided the tests by it.
+    pub fn rate(&self) -> Option<&FittedRate> {
+        self.rate.as_ref()
     }
 
     /// Range of valid impact speeds \[m/s\]: that of the data of `inertia` and `energy`.

@@ -66,6 +66,28 @@ pub enum FitError {
         /// The terms of which it is a combination in these data; none if it is zero everywhere.
         partners: Vec<String>,
     },
+    /// A term of the form depends on the speed, which the law of the speed already does.
+    #[error("the term {term} depends on the speed, and so does the law of the speed")]
+    TermOfSpeed {
+        /// The term.
+        term: String,
+    },
+    /// The speeds of the points do not differ enough to determine the law of the speed.
+    #[error(
+        "all points have speeds from {:.4e} to {:.4e} m/s, which do not determine beta and v_m",
+        speeds[0],
+        speeds[1]
+    )]
+    OneSpeed {
+        /// Lowest and highest speed \[m/s\].
+        speeds: [f64; 2],
+    },
+    /// The estimation of the law of the speed does not converge.
+    #[error("beta and v_m do not converge within {steps} steps")]
+    NoRate {
+        /// Number of steps.
+        steps: usize,
+    },
     /// The fit has numbers that are not valid in a law.
     #[error("the fit gives no law: {0}")]
     NoLaw(LawError),
@@ -105,6 +127,13 @@ impl FitError {
                 ),
                 None => format!("drop {term} from --form"),
             },
+            Self::TermOfSpeed { term } => format!("drop {term} from --form, or give --rate none"),
+            Self::OneSpeed { .. } => {
+                "add drives at other speeds, a factor of 10 apart or more, or give --rate speed to take the published \
+                 beta and v_m"
+                    .to_owned()
+            }
+            Self::NoRate { .. } => "give --rate speed to take the published beta and v_m".to_owned(),
             Self::NoLaw(_) => {
                 "check the values of the drives: a length, a modulus, a speed or a force in another unit spoils a fit"
                     .to_owned()

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::form::{Form, VARIABLES, Values, Variable};
 use super::law_error::LawError;
+use super::rate_fit::FittedRate;
 use super::regression::Method;
 
 /// The results for a term.
@@ -121,6 +122,9 @@ pub struct FitFile {
     /// Deviation of one specimen from the law, in s; only in a law drawn at random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen_deviation: Option<f64>,
+    /// Dependence on speed by which the forces of the tests were divided; the law is then quasi-static.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<FittedRate>,
     /// V, covariance of the coefficients in the order of the terms.
     pub covariance: Vec<Vec<f64>>,
     /// Digests (SHA-256) of the files of data, by name.
@@ -280,6 +284,13 @@ pub(super) fn check(file: &FitFile, form: &Form) -> Result<(), LawError> {
                 low,
                 "at most the upper end, which is above 0 and at most 1000 m/s",
             );
+        }
+    }
+    if let Some(rate) = &file.rate {
+        for (what, value, [low, high], rule) in rate.domains() {
+            if !(low..=high).contains(&value) {
+                return refuse(what, value, rule);
+            }
         }
     }
     check_statistics(file)?;

@@ -39,6 +39,7 @@ pub fn fit(form: &Form, drives: &[Drive], method: Method) -> Result<Fitted, FitE
         sigma_within: solution.sigma_within,
         degrees_of_freedom: solution.degrees_of_freedom,
         specimen_deviation: None,
+        rate: None,
         covariance: solution
             .covariance
             .row_iter()

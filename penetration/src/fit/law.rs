@@ -9,6 +9,7 @@ use super::drive::{Conditions, Driving};
 use super::file::{FitFile, check};
 use super::form::{Form, Variable};
 use super::law_error::{FIT_SCHEMA, LawError};
+use super::rate_fit::FittedRate;
 
 /// Negative eigenvalues of a covariance up to this fraction of the largest are attributed to rounding.
 const ROUNDING: f64 = 1e-9;
@@ -126,6 +127,13 @@ impl FittedLaw {
     #[must_use]
     pub fn with_data(mut self, data: Vec<(String, String)>, extrapolate: bool) -> Self {
         (self.file.data, self.file.extrapolate) = (data, extrapolate);
+        self
+    }
+
+    /// Adds the dependence on speed by which the data were divided.
+    #[must_use]
+    pub fn with_rate(mut self, rate: FittedRate) -> Self {
+        self.file.rate = Some(rate);
         self
     }
 

@@ -15,6 +15,7 @@ mod form;
 mod law;
 mod law_error;
 mod least_squares;
+mod rate_fit;
 mod regression;
 mod split;
 
@@ -28,5 +29,6 @@ pub use fitting::{DROP_BELOW, Fitted, Leave, Reduction, Validation, fit, reduce,
 pub use form::{Form, FormError, HIGHEST_DEGREE, Term, VARIABLES, Values, Variable};
 pub use law::{FittedLaw, Placement, Scatter};
 pub use law_error::{FIT_SCHEMA, LawError};
+pub use rate_fit::{FittedRate, RateChoice, WithoutRate, without_rate};
 pub use regression::{Method, Regression, Solution};
 pub use split::{Split, split};

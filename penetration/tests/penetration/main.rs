@@ -3,3 +3,4 @@
 
 mod fit;
 mod law;
+mod rate_fit;

@@ -16,12 +16,16 @@ use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::penetration::fitting::{Fitting, Options, fit_files};
+use crate::penetration::fitting::{Fitting, Options, Rate, fit_files};
 use crate::penetration::{PenetrationError, file_of};
 use crate::tables::{dash, fixed};
 
-/// The form of the published general law (Eq. 2.2).
+/// The form of the published general law (Eq. 2.2), and the same without its term of the speed.
 const FORM: &str = "poly(x,7) + rate + slender";
+const QUASI_STATIC: &str = "poly(x,7) + slender";
+
+/// `wood.friction_share` of the base design.
+const FRICTION_SHARE: f64 = 0.6;
 
 /// The file written last.
 const FIT: &str = "fit.toml";
@@ -32,14 +36,24 @@ const FIT: &str = "fit.toml";
     "nailnoise penetration fit drives.csv --reduce --leave group" => "terms that carry nothing left out; \
         cross-validation by \
         group",
+    "nailnoise penetration fit fast.csv --rate estimate --form \"poly(x,4)\"" => "the quasi-static law from drives at \
+        known speeds, with the fall of friction and the rise of crushing",
 ))]
 pub(super) struct Arguments {
     /// CSV files with a row a drive: id, group, repeat, nail, wood, speed, file, ...
     #[arg(value_name = "DRIVES", required = true)]
     data: Vec<PathBuf>,
     /// Terms of s = sqrt(F_r/(H_M NL)): products of powers of x, rate, slender, inertia, decay, energy
-    #[arg(long, value_name = "TERMS", default_value = FORM)]
-    form: String,
+    ///
+    /// [default: poly(x,7) + rate + slender, without rate if --rate is given]
+    #[arg(long, value_name = "TERMS")]
+    form: Option<String>,
+    /// How the resistance depends on the speed of the nail
+    #[arg(long, value_name = "LAW", value_enum, default_value = "none")]
+    rate: RateName,
+    /// With --rate: share of friction in the force at full depth [default: that of --split, else 0.6]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    friction_share: Option<f64>,
     /// How the coefficients are found [default: within-between after impacts, else least-squares]
     #[arg(long, value_name = "METHOD", value_enum)]
     method: Option<MethodName>,
@@ -70,6 +84,16 @@ pub(super) struct Arguments {
     /// Folder for fit.toml, residuals.csv and the figures [default: out/prf-fit]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum RateName {
+    /// By the terms of --form
+    None,
+    /// As `wood.rate = "speed"` with its published coefficients: forces are divided by it
+    Speed,
+    /// The same with beta and v_m estimated from drives at different speeds
+    Estimate,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -124,6 +148,13 @@ fn start(text: &str) -> Result<Start, String> {
     }
 }
 
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("give a number from 0 to 1".to_owned()),
+    }
+}
+
 fn odd(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(n) if n % 2 == 1 && (3..=10_001).contains(&n) => Ok(n),
@@ -142,13 +173,24 @@ struct FitResult<'a> {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
-    let form: Form = arguments.form.parse().map_err(PenetrationError::Form)?;
+    let default = if arguments.rate == RateName::None {
+        FORM
+    } else {
+        QUASI_STATIC
+    };
+    let form = arguments.form.as_deref().unwrap_or(default);
+    let form: Form = form.parse().map_err(PenetrationError::Form)?;
     let options = Options {
         form,
         method: arguments.method.map(Method::from),
         reduce: arguments.reduce,
         leave: arguments.leave.map(Leave::from),
         split: arguments.split,
+        rate: (arguments.rate != RateName::None).then_some(Rate {
+            share: arguments.friction_share,
+            default_share: FRICTION_SHARE,
+            estimate: arguments.rate == RateName::Estimate,
+        }),
         cleaning: Cleaning {
             start: arguments.start.unwrap_or(Start::Automatic),
             slope_samples: arguments.slope_samples,
@@ -314,6 +356,21 @@ fn text(result: &FitResult<'_>) -> String {
         ),
     ];
     text.push_str(&table(&["quality", "of s", "of the force"], &rows));
+    if let Some(rate) = &fit.rate {
+        let interval =
+            |of: Option<[f64; 2]>| of.map_or_else(String::new, |[low, high]| format!(" (95 %: {low:.3} .. {high:.3})"));
+        text.push_str(&format!(
+            "\n  speeds of {:.3e} to {:.3e} m/s divided out: beta {:.3}{}, v_m {:.3} m/s{}, friction {:.2} of the \
+             force at full depth\n",
+            rate.speeds_m_s[0],
+            rate.speeds_m_s[1],
+            rate.speed.crushing,
+            interval(rate.crushing_interval),
+            rate.speed.width,
+            interval(rate.width_interval_m_s),
+            rate.friction_share
+        ));
+    }
     if let Some(validation) = &result.fitting.validation {
         text.push_str(&format!(
             "\n  cross-validation, one {} left out at a time: root mean square error of s {:.5}\n",

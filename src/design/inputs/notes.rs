@@ -97,6 +97,11 @@ pub(crate) fn fitted_law(design: &Design, shot: &ShotRecord) -> Result<Vec<Strin
              nothing pushes the projectile"
                 .to_owned(),
         );
+    } else if let Some(rate) = &law.file().rate {
+        notes.push(format!(
+            "the fitted law depends on the speed by beta {:.3} and v_m {:.2} m/s, from tests at {:.2e} to {:.2e} m/s",
+            rate.speed.crushing, rate.speed.width, rate.speeds_m_s[0], rate.speeds_m_s[1]
+        ));
     } else if !law.dynamic() {
         notes.push(format!(
             "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known \

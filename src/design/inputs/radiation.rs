@@ -171,7 +171,7 @@ pub(crate) fn cap(design: &Design) -> Option<CapSurface> {
 }
 
 /// The outer side of the tool's cap.
-fn cap_surface(design: &Design) -> CapSurface {
+pub(crate) fn cap_surface(design: &Design) -> CapSurface {
     let body = &design.body;
     if body.mesh.is_empty() {
         CapSurface::Above {

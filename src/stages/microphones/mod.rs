@@ -223,7 +223,7 @@ impl MicrophoneArray {
     }
 
     /// Positions of the receivers: the microphones, then the operator's ear \[m\].
-    fn receivers(&self) -> Vec<Point3<f64>> {
+    pub(crate) fn receivers(&self) -> Vec<Point3<f64>> {
         let mut all = self.positions();
         all.push(self.ear.into());
         all

@@ -1,16 +1,19 @@
 //! The tool's housing: its rigid motion, and its vibration if it is elastic.
 
+mod fitting;
 pub(super) mod sound;
 
 use std::sync::Arc;
 
 use nailnoise_acoustics::radiation::radiator::Loading;
 
+use self::fitting::FittingWall;
 use self::sound::{CODE, Cap, Elastic, HousingAtMicrophones, HousingSound, HousingSource, NAME};
 use super::exhaust::sound::NAME as EXHAUST;
 use super::{Compared, ImpedanceComparison, Source, SourceStages};
 use crate::chain::ShotStages;
 use crate::design::inputs;
+use crate::design::{Convention, Design, FittingKind};
 use crate::error::Error;
 use crate::measurement::wrapping::Role;
 use crate::stages::bodies::BodyKind;
@@ -125,7 +128,29 @@ fn emission(shot: &ShotStages<'_>, cycle: &Stored<ShotRecord>, motion: Option<St
         air: shot.context.air,
         range_hz: shot.motions.range_hz,
         cycle: cycle.clone(),
+        fitting: fitting(design),
     }
+}
+
+/// The wall of the pipe on the exhaust, which points as the jets do.
+fn fitting(design: &Design) -> Option<FittingWall> {
+    let own = &design.exhaust.fitting;
+    if own.kind != FittingKind::Pipe {
+        return None;
+    }
+    let (alignment, height) = (design.exhaust.thrust_share, inputs::microphones::tool_height(design));
+    let across = (1.0 - alignment * alignment).max(0.0).sqrt() * (design.body.cap_radius + 0.5 * own.length);
+    let along = 0.5 * height + 0.5 * own.length * alignment.abs();
+    Some(FittingWall {
+        length: own.length,
+        outer_radius: 0.5 * own.diameter + own.wall_thickness,
+        thickness: own.wall_thickness,
+        alignment,
+        position: inputs::microphones::on_axis(design, height),
+        distance: across.hypot(along),
+        cap: inputs::radiation::cap_surface(design),
+        counts_to: (design.sources.convention == Convention::Wrapping).then_some(EXHAUST),
+    })
 }
 
 fn notes(sound: &SourceSound, stiffness: Option<&[Stiffness]>, rigid: Option<&str>) -> SourceNotes {

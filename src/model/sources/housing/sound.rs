@@ -1,7 +1,9 @@
 //! The tool's body as a source: rigid, or elastic by boundary elements or as the sphere of its volume.
 
 use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
-use nailnoise_acoustics::radiation::radiator::{Detail, FluidLoads, Loading, MovingBody, Radiator, RigidSphere};
+use nailnoise_acoustics::radiation::radiator::{
+    Detail, FluidLoads, Loading, MovingBody, Pressures, Radiator, RigidSphere,
+};
 use nailnoise_acoustics::radiation::{
     CompactErp, Erp, ModalSpectra, PartOfSurface, RadiatingSurface, radiated_energy, radiated_signals,
     sphere_efficiency,
@@ -12,6 +14,7 @@ use nailnoise_meshes::open_faces;
 use nalgebra::Complex;
 use serde::Serialize;
 
+use super::fitting::{FittingWall, WallSound};
 use crate::error::Error;
 use crate::result::{CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
@@ -19,7 +22,7 @@ use crate::stages::bodies::Body;
 use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, MicrophoneArray, ToolSphere};
-use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::sound::{Sound, SoundSource, sum_with};
 use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::{LimitedPart, truncations};
@@ -51,6 +54,9 @@ pub(crate) const CODE: Code = code!(
 /// Name of the part of the source that counts to the exhaust by the convention of wrapping.
 const CAP: &str = "cap";
 
+/// Name of that part together with the wall of the exhaust's fitting.
+const CAP_AND_FITTING: &str = "cap and fitting";
+
 /// Name of the part of the source that the elastic modes radiate.
 const VIBRATION: &str = "housing";
 
@@ -67,6 +73,8 @@ pub(crate) struct HousingSound {
     pub(crate) range_hz: [f64; 2],
     /// The cycle.
     pub(crate) cycle: Stored<ShotRecord>,
+    /// The wall of the fitting on its exhaust.
+    pub(crate) fitting: Option<FittingWall>,
 }
 
 /// A housing as a radiator with pressures at the microphones.
@@ -142,6 +150,22 @@ impl HousingSound {
         let motion = housing.motion.get()?;
         let part = PartOfSurface::new(CAP, &*cap.radiator.get()?, &motion.spectra)?;
         Ok(Some((part, cap.counts_to)))
+    }
+
+    /// The wall of the exhaust's fitting in the motion of the source, if there is one, and the uncertainty of both.
+    fn wall(&self, whole: &mut Sound) -> Result<Option<(&FittingWall, WallSound)>, Error> {
+        let Some(fitting) = &self.fitting else {
+            return Ok(None);
+        };
+        let wall = match &self.elastic {
+            Some(housing) => {
+                let (body, motion) = (housing.body.get()?, housing.motion.get()?);
+                fitting.on_body(&body, &motion.spectra, (&self.air, whole))?
+            }
+            None => fitting.on_rigid_tool(&*self.cycle.get()?, self.range_hz, (&self.air, whole))?,
+        };
+        whole.uncertainty = fitting.widened(whole, &wall.sound, (&self.air, self.range_hz));
+        Ok(Some((fitting, wall)))
     }
 
     /// The source without its cap, and the cap, analysed between the events.
@@ -278,18 +302,59 @@ impl Emission for HousingSound {
     const CODE: Code = CODE;
 
     fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
-        let whole = self.sound(Detail::Levels)?.spectrum;
-        let Some((cap, counts_to)) = self.cap()? else {
-            return Ok(Apart::whole(whole));
+        let mut sound = self.sound(Detail::Levels)?;
+        let wall = self.wall(&mut sound)?;
+        let whole = sound.spectrum;
+        let apart = match self.cap()? {
+            Some((cap, counts_to)) => Apart {
+                own: whole.without(&cap.spectrum).map_err(AcousticsError::from)?,
+                moved: Some(moved(cap.spectrum, counts_to)),
+            },
+            None => Apart::whole(whole),
         };
-        Ok(Apart {
-            own: whole.without(&cap.spectrum).map_err(AcousticsError::from)?,
-            moved: Some(moved(cap.spectrum, counts_to)),
+        Ok(match wall {
+            Some((fitting, wall)) => fitting.assign(apart, wall.sound.spectrum, with_wall),
+            None => apart,
         })
     }
 
     fn analysed(&self, edges: &EventEdges, _: [f64; 2]) -> Result<Apart<SoundSource>, Error> {
-        self.without_cap(self.sound(Detail::Levels)?, edges)
+        let mut sound = self.sound(Detail::Levels)?;
+        let wall = self.wall(&mut sound)?;
+        let apart = self.without_cap(sound, edges)?;
+        Ok(match wall {
+            Some((fitting, wall)) => {
+                let wall = SoundSource::new(wall.sound, edges, self.range_hz);
+                fitting.assign(apart, wall, source_with_wall)
+            }
+            None => apart,
+        })
+    }
+}
+
+/// A spectrum with that of the wall.
+fn with_wall(own: &SourceSpectrum, wall: &SourceSpectrum) -> SourceSpectrum {
+    let mut sum = sum_with(own, wall);
+    if sum.source == CAP {
+        CAP_AND_FITTING.clone_into(&mut sum.source);
+    }
+    sum
+}
+
+/// A source with the wall.
+fn source_with_wall(own: &SoundSource, wall: &SoundSource) -> SoundSource {
+    let spectrum = with_wall(&own.spectrum, &wall.spectrum);
+    SoundSource {
+        spectrum,
+        ..own.with(wall)
+    }
+}
+
+/// A source and its sound at the microphones with the wall.
+fn heard_with_wall(own: &Heard, wall: &Heard) -> Heard {
+    Heard {
+        source: source_with_wall(&own.source, &wall.source),
+        received: own.received.with(&wall.received, 1.0),
     }
 }
 
@@ -321,7 +386,8 @@ impl Stage for HousingSource {
     const CODE: Code = CODE;
 
     fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
-        let sound = self.sound.sound(Detail::Report)?;
+        let mut sound = self.sound.sound(Detail::Report)?;
+        let wall = self.sound.wall(&mut sound)?;
         let (record, end) = (self.sound.cycle.get()?, *self.end.get()?);
         let housing = self.sound.elastic.as_ref();
         let by_pressures = self.at_microphones.as_ref().zip(housing);
@@ -329,6 +395,11 @@ impl Stage for HousingSource {
             Some((at, housing)) => Radiator::pressures(&*at.whole.get()?, &[&housing.motion.get()?.spectra])?,
             None => None,
         };
+        let by_body = pressures.as_ref().map(|found| Pressures {
+            frequency: found.frequency.clone(),
+            values: Default::default(),
+            ..*found
+        });
         let mut received = match &pressures {
             Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
             None => self
@@ -369,11 +440,20 @@ impl Stage for HousingSource {
         if let Some(cap) = &moved {
             received = received.with(&cap.part.received, -1.0);
         }
+        let mut heard = Apart {
+            own: Heard { source, received },
+            moved,
+        };
+        if let Some((fitting, wall)) = wall {
+            let places = self.microphones.receivers();
+            let around = (self.microphones.reflecting_plane, &self.microphones.air);
+            let found = fitting.pressures(&wall, &places, around, by_body.as_ref())?;
+            let received = self.microphones.pressures(&found, &wall.sound.spectrum, end)?;
+            let source = SoundSource::new(wall.sound, &edges, self.sound.range_hz);
+            heard = fitting.assign(heard, Heard { source, received }, heard_with_wall);
+        }
         Ok(SourceSound {
-            heard: Apart {
-                own: Heard { source, received },
-                moved,
-            },
+            heard,
             truncations,
             checks: Vec::new(),
             histories: Vec::new(),
