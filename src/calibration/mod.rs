@@ -126,7 +126,9 @@ pub fn calibrate(
         };
         result.next = levelled.next(&graph, request.levels, request.seed, progress)?;
     }
-    result.notes.extend(redraw::note(&request.redraw, &result.pairs));
+    let pairs = result.pairs.iter().map(|own| (&own.inputs, own.rank_correlation));
+    let note = redraw::note(&request.redraw, pairs);
+    result.notes.extend(note);
     let files = files::files(&posterior, design, &result, (&table, &joint), &request.redraw)?;
     Ok((result, files))
 }

@@ -1,8 +1,6 @@
 //! Classes of inputs that a calibrated design draws anew, because later shots use another board, other nails or another
 //! support than those that were measured.
 
-use super::result::PairRow;
-
 /// Largest rank correlation of a redrawn input with one that is kept, beyond which redrawing widens predictions.
 const INDEPENDENT: f64 = 0.3;
 
@@ -59,16 +57,14 @@ pub(super) fn is_redrawn(classes: &[Redrawn], key: &str) -> bool {
     classes.iter().any(|class| class.contains(key))
 }
 
-/// A note on redrawn inputs that the measurements determined only together with others, if there are any.
-pub(super) fn note(classes: &[Redrawn], pairs: &[PairRow]) -> Option<String> {
-    let split = pairs.iter().filter(|own| own.rank_correlation.abs() > INDEPENDENT);
-    let split = split.filter_map(|own| {
-        let [a, b] = &own.inputs;
-        match [a, b].map(|key| is_redrawn(classes, key)) {
-            [true, false] => Some(format!("{a} with {b}")),
-            [false, true] => Some(format!("{b} with {a}")),
-            _ => None,
-        }
+/// A note on redrawn inputs that the measurements determined only together with others, if there are any. `pairs` are
+/// inputs with their rank correlation.
+pub(super) fn note<'p>(classes: &[Redrawn], pairs: impl Iterator<Item = (&'p [String; 2], f64)>) -> Option<String> {
+    let split = pairs.filter(|(_, correlation)| correlation.abs() > INDEPENDENT);
+    let split = split.filter_map(|([a, b], _)| match [a, b].map(|key| is_redrawn(classes, key)) {
+        [true, false] => Some(format!("{a} with {b}")),
+        [false, true] => Some(format!("{b} with {a}")),
+        _ => None,
     });
     let split: Vec<String> = split.collect();
     (!split.is_empty()).then(|| {
@@ -103,20 +99,18 @@ mod tests {
 
     #[test]
     fn inputs_that_are_determined_only_together_are_named() {
-        let pair = |a: &str, b: &str, rank_correlation| PairRow {
-            inputs: [a.to_owned(), b.to_owned()],
-            rank_correlation,
-        };
-        let pairs = [
-            pair("wood.resistance_scale", "wood.hardness_modulus", -0.6),
-            pair("wood.density", "piston.mass", 0.2),
-            pair("wood.density", "wood.hardness_modulus", 0.9),
+        let pair = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
+        let inputs = [
+            pair("wood.resistance_scale", "wood.hardness_modulus"),
+            pair("wood.density", "piston.mass"),
+            pair("wood.density", "wood.hardness_modulus"),
         ];
-        let text = note(&[Redrawn::Board], &pairs).unwrap_or_default();
+        let of = |class| note(&[class], inputs.iter().zip([-0.6, 0.2, 0.9]));
+        let text = of(Redrawn::Board).unwrap_or_default();
         assert!(
             text.contains("(wood.hardness_modulus with wood.resistance_scale)"),
             "{text}"
         );
-        assert_eq!(note(&[Redrawn::Support], &pairs), None);
+        assert_eq!(of(Redrawn::Support), None);
     }
 }
