@@ -1,7 +1,8 @@
 //! Dependence of friction and crushing on speed.
 //!
 //! ```text
-//! c(v) = 1 + beta lg(|v|/v_ref)      m(v) = m_1 + (m_0 - m_1) exp(-v/v_m)     lg(|v|/v_ref) as lg[(1 + v^2/v_ref^2)/2]/2
+//! c(v) = 1 + beta lg(|v|/v_ref)              lg(|v|/v_ref) as lg[(1 + v^2/v_ref^2)/2]/2
+//! m(v) = m_1 + (m_0 - m_1) exp(-v/v_m)
 //! ```
 //!
 //! The sources are those of `wood.rate = "speed"`.

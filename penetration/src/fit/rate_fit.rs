@@ -21,8 +21,8 @@ use super::regression::{Method, Regression};
 use crate::REFERENCE_SPEED;
 use crate::speed_terms::SpeedTerms;
 
-/// Relative change of F_L at which the repetition ends, and the most repetitions. Each one leaves about phi |q - c|/c of
-/// the change, at most 0.4 with the published values.
+/// Relative change of F_L at which the repetition ends, and the most repetitions. Each one leaves about phi |q - c|/c
+/// of the change, at most 0.4 with the published values.
 const CLOSE: f64 = 1e-11;
 const REPETITIONS: usize = 200;
 
