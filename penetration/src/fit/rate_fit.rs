@@ -6,9 +6,10 @@
 //! ```
 //!
 //! c and q are the factors of [`SpeedTerms`], and F_L is the quasi-static force at full depth. It follows from the fit
-//! and enters it, so both are repeated until F_L does not change. beta and v_m minimise the squares of the residuals of
-//! s at the speed of the tests (Gauss-Newton on the residuals of the fit at given beta and v_m, variable projection of
-//! G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). Their errors allow for deviations common to a drive.
+//! and enters it, so both are repeated until F_L does not change. beta and v_m minimise the squares of the residuals
+//! of s at the speed of the tests (Gauss-Newton on the residuals of the fit at given beta and v_m, variable projection
+//! of G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). Their errors allow for deviations common to a
+//! drive.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
