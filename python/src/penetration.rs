@@ -125,6 +125,8 @@ pub(crate) fn fit_penetration<'py>(
         reduce,
         leave,
         split,
+        // Drives at known speeds are fitted by the command only.
+        rate: None,
         cleaning: Cleaning {
             start: start.map_or(Start::Automatic, Start::Force),
             ..Cleaning::default()
