@@ -18,6 +18,18 @@ use crate::wording::in_one_unit;
 /// Sampling interval of cycles with other inputs \[s\]; the slow motion of the tool needs none finer.
 const SAMPLES: f64 = 50e-6;
 
+/// The headline of the own shot of a design; `None` for an assembly, because a headline states how the tool of the keys
+/// drove a nail.
+///
+/// # Errors
+/// The errors of the cycle and of its parameters.
+pub(crate) fn headline_of(graph: &Graph, design: &Design) -> Result<Option<Headline>, Error> {
+    match design.assembly() {
+        None => headline(graph, design, &chain::cycle(design)?),
+        Some(_) => Ok(None),
+    }
+}
+
 /// The headline of a shot of a design; `None` if the nail is driven and the exhaust opens.
 ///
 /// Each input of the cycle that has a range is set to both ends of it, with a lumped workpiece regardless of the

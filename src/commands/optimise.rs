@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use nailnoise_dynamics::Outcome;
 use serde::Serialize;
 
 use super::python::Cluster;
@@ -23,9 +24,6 @@ use crate::{figures, report};
 
 /// The page; the last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "optimise.html";
-
-/// The outcome that a shot must have by default.
-const DRIVES: &str = "drives";
 
 /// Designs at a time on a cluster, unless the user says otherwise.
 const ON_CLUSTER: u16 = 8;
@@ -190,11 +188,12 @@ fn constraints(
     if constraints.iter().any(Constraint::is_of_outcome) {
         return Ok(constraints);
     }
+    let drives = Outcome::Drives.name();
     match inputs::assembly::cycle(design)? {
-        Some(cycle) if cycle.assembly.outcomes.iter().all(|own| own.name != DRIVES) => {
+        Some(cycle) if cycle.assembly.outcomes.iter().all(|own| own.name != drives) => {
             progress.note("no constraint on the outcome: this tool has no outcome \"drives\", so every shot counts");
         }
-        _ => constraints.push(format!("outcome == {DRIVES}").parse()?),
+        _ => constraints.push(format!("outcome == {drives}").parse()?),
     }
     Ok(constraints)
 }

@@ -10,7 +10,6 @@ use super::study_text::text;
 use super::{Common, Keeping, message, print, print_json};
 use super::{Status, python::Cluster};
 use crate::atomic_write::{self, AtomicWrite};
-use crate::chain;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -246,10 +245,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         study::store_study(&cache, &design, &result, &made)?;
     }
     let graph = Graph::quiet(&store, progress.observer());
-    // A headline states how a nail was driven by the tool of the keys.
-    if design.assembly().is_none() {
-        result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
-    }
+    result.headline = headline::headline_of(&graph, &design)?;
     let within = arguments.until.iter().all(|own| own.is_met(&result));
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");

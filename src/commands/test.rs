@@ -9,7 +9,6 @@ use super::Status;
 use super::table::table;
 use super::{Common, Keeping, given_or_named, print_json, progress};
 use crate::atomic_write::AtomicWrite;
-use crate::chain;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -95,11 +94,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let rate = design.test.sampling_rate;
     let exact = exact(&test.arrangement, rate, &wraps, &test.densities(&own), background)?;
     drop(own);
-    // A headline states how a nail was driven by the tool of the keys.
-    let headline = match design.assembly() {
-        None => headline::headline(&graph, &design, &chain::cycle(&design)?)?,
-        Some(_) => None,
-    };
+    let headline = headline::headline_of(&graph, &design)?;
     let mut result = TestResult {
         headline,
         schema: "nailnoise-test/1",

@@ -146,8 +146,12 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
         true => Some(parts(&all, &drives, &again, data)?),
         false => None,
     };
-    let method = options.method.unwrap_or_else(|| Method::of(&options.form, &drives));
-    let divided = options.rate.map(|rate| {
+    // The terms by which forces are divided and those of the law are found by the same method.
+    let chosen = match options.rate {
+        Some(_) => options.method.or_else(|| Some(Method::of(&options.form, &drives))),
+        None => options.method,
+    };
+    let divided = options.rate.zip(chosen).map(|(rate, method)| {
         let measured = split.as_ref().map(|split| split.friction_share);
         let choice = RateChoice {
             friction_share: rate.share.or(measured).unwrap_or(rate.default_share),
@@ -164,19 +168,11 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
         None => None,
     };
     let (form, reduction) = if options.reduce {
-        reduce(
-            &options.form,
-            &drives,
-            rate.as_ref().map_or(options.method, |_| Some(method)),
-        )
-        .map_err(refuse)?
+        reduce(&options.form, &drives, chosen).map_err(refuse)?
     } else {
         (options.form.clone(), Vec::new())
     };
-    let method = match rate {
-        Some(_) => method,
-        None => options.method.unwrap_or_else(|| Method::of(&form, &drives)),
-    };
+    let method = chosen.unwrap_or_else(|| Method::of(&form, &drives));
     let fitted = fit(&form, &drives, method).map_err(refuse)?;
     let law = fitted.law.with_data(digests, options.extrapolate);
     let law = match rate {

@@ -574,7 +574,7 @@ fn speeds_that_do_not_determine_the_law_of_the_speed_are_refused() {
     );
 }
 
-/// A law from slow drives is hardly changed by the law of the speed, whose speed of reference is theirs.
+/// The law of the speed hardly changes a law from slow drives, because its reference speed is that of these drives.
 #[test]
 fn the_law_of_the_speed_is_written_with_the_fit() {
     let folder = folder("prf-fit-rate");

@@ -34,7 +34,7 @@ const POINTS: usize = 32;
 /// dB.
 ///
 /// Along: the wall slides through the air, and the gas inside belongs to the surface at the closed end. Only the
-/// annular ends push air: taken as the sphere with the volume of the wall.
+/// annular ends push air. They are modelled as a sphere with the volume of the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PipeWall {
     /// Length L \[m\].

@@ -23,7 +23,7 @@ fn frequency(ka: f64) -> f64 {
     ka * Air::default().sound_speed / (2.0 * PI * WALL.outer_radius)
 }
 
-/// |H_1'|^2 by series and asymptotics is known at two points: Abramowitz and Stegun, tables 9.1: J_0(1) = 0.7651976866,
+/// Two values of |H_1'|^2 follow from tables: Abramowitz and Stegun, tables 9.1: J_0(1) = 0.7651976866,
 /// J_1(1) = 0.4400505857, Y_0(1) = 0.0882569642, Y_1(1) = -0.7812128213.
 const SLOPE_AT_1: f64 = (0.765_197_686_6 - 0.440_050_585_7) * (0.765_197_686_6 - 0.440_050_585_7)
     + (0.088_256_964_2 + 0.781_212_821_3) * (0.088_256_964_2 + 0.781_212_821_3);

@@ -43,21 +43,16 @@ pub(crate) fn accelerometers(design: &Design) -> Result<Vec<Accelerometer>, Erro
 pub(crate) fn transducers(design: &Design) -> Result<Vec<PressureTransducer>, Error> {
     let tool = Chambers::of(design)?;
     let transducer = |(name, own): (&String, &Transducer)| {
-        let chamber = match own.chamber.0.as_str() {
-            CYLINDER if tool.has_bore => Chamber::Cylinder,
-            RETURN if tool.has_return => Chamber::Return,
-            volume if tool.has(volume) => Chamber::Volume(volume.to_owned()),
-            CYLINDER | RETURN => return None,
-            other => {
-                let mut known: Vec<&str> = tool.volumes.iter().map(String::as_str).collect();
-                known.extend(tool.has_bore.then_some(CYLINDER));
-                known.extend(tool.has_return.then_some(RETURN));
-                return Some(Err(design.refuse_chamber(name, other, &known).into()));
-            }
-        };
+        let chamber = tool.chamber(&own.chamber.0);
+        if chamber.is_none() && !is_in_wall(own) {
+            let mut known: Vec<&str> = tool.volumes.iter().map(String::as_str).collect();
+            known.extend(tool.has_bore.then_some(CYLINDER));
+            known.extend(tool.has_return.then_some(RETURN));
+            return Some(Err(design.refuse_chamber(name, &own.chamber.0, &known).into()));
+        }
         Some(Ok(PressureTransducer {
             name: name.clone(),
-            chamber,
+            chamber: chamber?,
             position: own.position,
             discharge_time: own.discharge_time,
         }))
@@ -71,13 +66,14 @@ pub(crate) fn transducers(design: &Design) -> Result<Vec<PressureTransducer>, Er
 /// The errors of the cycle's inputs.
 pub(crate) fn without_chamber(design: &Design) -> Result<Vec<&str>, Error> {
     let tool = Chambers::of(design)?;
-    let is_absent = |own: &Transducer| match own.chamber.0.as_str() {
-        CYLINDER => !(tool.has_bore || tool.has(CYLINDER)),
-        RETURN => !(tool.has_return || tool.has(RETURN)),
-        _ => false,
-    };
+    let is_absent = |own: &Transducer| is_in_wall(own) && tool.chamber(&own.chamber.0).is_none();
     let absent = design.transducers.iter().filter(|(_, own)| is_absent(own));
     Ok(absent.map(|(name, _)| name.as_str()).collect())
+}
+
+/// Whether a transducer is in the wall of the cylinder or of the return chamber, which not every tool has.
+fn is_in_wall(transducer: &Transducer) -> bool {
+    matches!(transducer.chamber.0.as_str(), CYLINDER | RETURN)
 }
 
 /// Where a tool can have pressure transducers.
@@ -91,9 +87,16 @@ struct Chambers {
 }
 
 impl Chambers {
-    /// Whether the cycle has a volume of this name.
-    fn has(&self, volume: &str) -> bool {
-        self.volumes.iter().any(|own| own == volume)
+    /// The chamber of this name; `None` if the tool does not have it.
+    fn chamber(&self, name: &str) -> Option<Chamber> {
+        match name {
+            CYLINDER if self.has_bore => Some(Chamber::Cylinder),
+            RETURN if self.has_return => Some(Chamber::Return),
+            volume => {
+                let found = self.volumes.iter().find(|own| *own == volume)?;
+                Some(Chamber::Volume(found.clone()))
+            }
+        }
     }
 
     fn of(design: &Design) -> Result<Self, Error> {
