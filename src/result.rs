@@ -3,6 +3,7 @@
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
 mod design_id;
+mod motion;
 mod performance;
 mod study;
 
@@ -29,6 +30,7 @@ use crate::stages::headline::Headline;
 pub use crate::stages::modal_efficiency::{BodyEfficiencies, ModeEfficiency};
 
 pub use design_id::DesignId;
+pub use motion::{BodyMotion, MotionBand};
 pub use performance::Performance;
 pub(crate) use performance::{PerformanceFigure, free_air, free_volume, pressures};
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
@@ -81,6 +83,8 @@ pub struct RunResult {
     /// Radiation efficiencies of the modes of each elastic body, each mode alone at its natural frequency; empty for
     /// rigid bodies. Modes also radiate together, so that powers of single modes do not sum to that of the source.
     pub radiation_efficiencies: Vec<BodyEfficiencies>,
+    /// Motion of the elastic bodies in one-third-octave bands over the whole shot; empty for rigid bodies.
+    pub motion: Vec<BodyMotion>,
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Starts>,

@@ -12,13 +12,14 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
 use crate::model::sources::{ImpedanceComparison, SourceStages};
-use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts};
+use crate::result::{
+    BodyMotion, Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts,
+};
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
 use crate::stages::cycle::{Engine, EngineRecord, EventTimes, EventWords, ShotRecord};
 use crate::stages::microphones::{AtMicrophones, Microphones};
-use crate::stages::motion_bands::BodyBands;
 use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
@@ -38,8 +39,6 @@ pub struct Run {
     pub powers: Vec<SoundPower>,
     /// Quantities of the sources at every sample of the cycle.
     pub histories: Vec<SourceHistory>,
-    /// Motion of the elastic bodies in third octaves.
-    pub motion: Arc<Vec<BodyBands>>,
     /// Signals of the design's sensors, by name.
     pub sensors: Arc<Vec<SensorRecord>>,
     /// Signals of the design's pressure transducers, by name.
@@ -303,6 +302,7 @@ impl Chain {
             coupling,
             fluid_loading_changes,
             radiation_efficiencies: efficiencies,
+            motion: motion.iter().map(BodyMotion::from).collect(),
             starts: starts.map(|(_, starts)| starts),
             sensors: sensors.iter().map(SensorRecord::level).collect(),
             transducers: transducers.iter().map(PressureRecord::range).collect(),
@@ -323,7 +323,6 @@ impl Chain {
                 .iter()
                 .flat_map(|sound| sound.histories.iter().cloned())
                 .collect(),
-            motion,
             sensors,
             transducers,
             microphones,

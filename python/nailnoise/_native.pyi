@@ -136,12 +136,14 @@ def penetration_curve(
 ) -> dict[str, Any]: ...
 def fit_penetration(
     files: list[str],
-    form: str,
+    form: str | None,
     method: str | None,
     reduce: bool,
     leave: str | None,
     split: bool,
     start: float | None,
+    rate: str | None,
+    friction_share: float | None,
     extrapolate: bool,
     report: Report | None,
 ) -> dict[str, Any]: ...

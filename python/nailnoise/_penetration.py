@@ -17,9 +17,6 @@ from ._results import Floats, _floats, _Shown
 from ._tables import table
 from ._work import Progress, _reporter
 
-#: The form of the published general law.
-GENERAL = "poly(x,7) + rate + slender"
-
 
 def penetration_names() -> dict[str, list[str]]:
     """Names of the published laws, and of the woods and nails of their tests."""
@@ -110,21 +107,27 @@ class PenetrationFit(_Shown):
 
 def fit_penetration(
     *files: str | os.PathLike[str],
-    form: str = GENERAL,
+    form: str | None = None,
     method: str | None = None,
     reduce: bool = False,
     leave: str | None = None,
     split: bool = False,
     start: float | None = None,
+    rate: str | None = None,
+    friction_share: float | None = None,
     extrapolate: bool = False,
     progress: Progress | bool | None = None,
 ) -> PenetrationFit:
     """Fits a law to the drives of CSV files, as ``nailnoise penetration fit``: terms of ``form``; ``method`` least-squares or within-between;
     ``reduce`` drops terms; cross-validation leaves out a group, nail, wood or drive; ``start`` is the force [N] at the tip.
+    ``rate`` reduces drives at known speeds to the quasi-static law: ``speed`` by the published coefficients, ``estimate`` by fitted ones;
+    ``friction_share`` [-] is the share of friction in the force at full depth.
     """
     if not files:
         raise ValueError("a fit needs a file of drives")
     paths: Sequence[str] = [os.fspath(file) for file in files]
     return PenetrationFit(
-        _native.fit_penetration(list(paths), form, method, reduce, leave, split, start, extrapolate, _reporter(progress))
+        _native.fit_penetration(
+            list(paths), form, method, reduce, leave, split, start, rate, friction_share, extrapolate, _reporter(progress)
+        )
     )

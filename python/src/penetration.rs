@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nailnoise::penetration::fitting::{Options, fit_files};
+use nailnoise::penetration::fitting::{Options, Rate, default_form, fit_files};
 use nailnoise::penetration::{self, PenetrationError, file_of};
 use nailnoise::{Error, figures};
 use nailnoise_penetration::fit::{Cleaning, Form, Leave, Method, Start};
@@ -87,16 +87,17 @@ pub(crate) fn penetration_curve<'py>(
 pub(crate) fn fit_penetration<'py>(
     py: Python<'py>,
     files: Vec<PathBuf>,
-    form: &str,
+    form: Option<&str>,
     method: Option<&str>,
     reduce: bool,
     leave: Option<&str>,
     split: bool,
     start: Option<f64>,
+    rate: Option<&str>,
+    friction_share: Option<f64>,
     extrapolate: bool,
     report: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let form: Form = form.parse().map_err(refused)?;
     let method = match method {
         None => None,
         Some("least-squares") => Some(Method::LeastSquares),
@@ -119,14 +120,29 @@ pub(crate) fn fit_penetration<'py>(
             )));
         }
     };
+    let rate = match rate {
+        None => None,
+        Some(given @ ("speed" | "estimate")) => Some(Rate {
+            share: friction_share,
+            estimate: given == "estimate",
+        }),
+        Some(other) => {
+            return Err(value_error(format!(
+                "there is no rate `{other}`; give speed or estimate"
+            )));
+        }
+    };
+    let form: Form = form
+        .unwrap_or_else(|| default_form(rate.as_ref()))
+        .parse()
+        .map_err(refused)?;
     let options = Options {
         form,
         method,
         reduce,
         leave,
         split,
-        // Drives at known speeds are fitted by the command only.
-        rate: None,
+        rate,
         cleaning: Cleaning {
             start: start.map_or(Start::Automatic, Start::Force),
             ..Cleaning::default()

@@ -127,6 +127,18 @@ def test_a_fit_is_that_of_the_command(tmp_path: Path) -> None:
     assert "<img" in fit._repr_html_() and len(fit.terms) == 2
 
 
+def test_a_fit_with_the_law_of_the_speed_is_that_of_the_command(tmp_path: Path) -> None:
+    drives = tmp_path / "drives.csv"
+    drives.write_text(DRIVES)
+    for name in ("a1", "a2", "b1", "b2"):
+        (tmp_path / f"{name}.csv").write_text(recording(0.0))
+    options = ["--rate", "speed", "--friction-share", "0.5"]
+    expected = command(tmp_path, "penetration", "fit", str(drives), "--form", "x^0.5 + x", *options)
+    assert nn.fit_penetration(drives, form="x^0.5 + x", rate="speed", friction_share=0.5).data == expected["fit"]
+    with pytest.raises(ValueError, match="there is no rate `fast`"):
+        nn.fit_penetration(drives, rate="fast")
+
+
 def test_a_wrapping_test_and_its_measurement_are_those_of_the_command(tmp_path: Path) -> None:
     environment = dict(os.environ, NAILNOISE_CACHE=str(tmp_path / "cache"))
     subprocess.run([COMMAND, "test", str(SMALL), "--out", "test", "--json"], cwd=tmp_path, env=environment, check=True, capture_output=True)

@@ -16,6 +16,9 @@ const TOLERANCE: f64 = 1e-5;
 /// Sampling interval \[s\].
 const SAMPLES: f64 = 5e-5;
 
+/// Time without further penetration after which the drive is complete \[s\].
+const AT_REST: f64 = 5e-3;
+
 /// Why a shot is missing.
 const REFUSED: &str = "refused";
 const DRY_FIRE: &str = "dry_fire";
@@ -31,8 +34,8 @@ pub(super) enum Shot {
 }
 
 impl Shot {
-    /// The shot of a design. That of the keys is recorded until `end` \[s\], that of an assembly until the assembly's
-    /// own end.
+    /// The shot of a design. That of the keys is recorded until `end` \[s\], or until the design's own end if the drive
+    /// is not complete by then. That of an assembly is recorded until the assembly's own end.
     ///
     /// # Errors
     /// Why the shot is missing: `refused`, `dry_fire` or `solver_failure`.
@@ -49,18 +52,26 @@ impl Shot {
             })?;
             return Ok(Self::Assembly(Box::new(record)));
         }
-        let settings = Settings {
-            relative_tolerance: TOLERANCE,
-            sample_interval: SAMPLES,
-            end,
-            ..inputs::cycle::cycle_settings(design)
-        };
         let parameters = inputs::cycle::parameters(design).map_err(|_| REFUSED)?;
-        let record = simulate(&parameters, &settings).map_err(|error| match error {
-            CycleError::DryFire { .. } => DRY_FIRE,
-            CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. } => SOLVER_FAILURE,
-            _ => REFUSED,
-        })?;
+        let recorded_until = |end: f64| {
+            let settings = Settings {
+                relative_tolerance: TOLERANCE,
+                sample_interval: SAMPLES,
+                end,
+                ..inputs::cycle::cycle_settings(design)
+            };
+            simulate(&parameters, &settings).map_err(|error| match error {
+                CycleError::DryFire { .. } => DRY_FIRE,
+                CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. } => {
+                    SOLVER_FAILURE
+                }
+                _ => REFUSED,
+            })
+        };
+        let mut record = recorded_until(end)?;
+        if end < design.analysis.cycle_end && end > AT_REST && !drive_is_complete(&record) {
+            record = recorded_until(design.analysis.cycle_end)?;
+        }
         Ok(Self::Keys(Box::new(record)))
     }
 
@@ -74,6 +85,15 @@ impl Shot {
                 .map_or(Cow::Borrowed(UNNAMED), |own| Cow::Owned(own.clone())),
         }
     }
+}
+
+/// Whether the piston has stopped on the workpiece, and the nail has not moved deeper at the end of the record.
+fn drive_is_complete(record: &CycleRecord) -> bool {
+    let depth = &record.motion.nail_depth;
+    let before = depth
+        .len()
+        .saturating_sub((AT_REST / record.sample_interval) as usize + 1);
+    record.events.t9.is_some() && depth.last() == depth.get(before)
 }
 
 /// The assembly of a design at its own values; none for the tool of the keys.
@@ -90,4 +110,28 @@ pub(super) fn interpolated(values: &[f64], interval: f64, time: f64) -> Option<f
     let index = place.floor().max(0.0) as usize;
     let (low, high) = (values.get(index)?, values.get(index + 1).or(values.get(index))?);
     Some(low + (high - low) * (place - index as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// Through a vent of 1.5 mm2 the volume above the valve empties so slowly that the drive begins after 52 ms.
+    #[test]
+    fn a_record_goes_on_until_the_drive_is_complete() {
+        let mut design = Design::shipped("n80cb.toml").unwrap();
+        let depth = |design: &Design, end: f64| match Shot::of(design, end).unwrap() {
+            Shot::Keys(record) => (record.summary.head_depth, record.len()),
+            Shot::Assembly(_) => unreachable!(),
+        };
+        let end = design.analysis.cycle_end;
+        let (short, whole) = (depth(&design, 45e-3), depth(&design, end));
+        assert!(short.1 < whole.1 && (short.0 - whole.0).abs() < 1e-6);
+        design.trigger.vent_area = 1.5e-6;
+        let late = depth(&design, 45e-3);
+        assert_eq!(late, depth(&design, end));
+        assert!(late.0 > 0.0, "{late:?}");
+    }
 }

@@ -16,15 +16,19 @@ const HEADER: [&str; 5] = [
 ];
 
 fn exist(of: &RunView<'_>) -> bool {
-    !of.run.motion.is_empty()
+    !of.run.result.motion.is_empty()
 }
 
 /// One row per body and band; both RMS values are means over the area of the outer surface and over 1 s.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
-    let rows = of.run.motion.iter().flat_map(|body| {
+    let rows = of.run.result.motion.iter().flat_map(|body| {
         body.bands.iter().map(|band| {
-            let [kinetic, velocity, acceleration] =
-                [band.kinetic, band.velocity, band.acceleration].map(|value| format!("{value:.4e}"));
+            let [kinetic, velocity, acceleration] = [
+                band.kinetic_energy_j_s,
+                band.rms_velocity_m_s,
+                band.rms_acceleration_m_s2,
+            ]
+            .map(|value| format!("{value:.4e}"));
             [
                 body.body.clone(),
                 format!("{:.0}", band.hz),

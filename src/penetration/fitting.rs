@@ -18,6 +18,23 @@ use super::recordings::clean;
 /// VIF above which a single coefficient has little meaning (Belsley, Kuh and Welsch, 1980).
 const HIGH_VIF: f64 = 1e3;
 
+/// The form of the published general law (Eq. 2.2), for forces without a law of the speed.
+const GENERAL_FORM: &str = "poly(x,7) + rate + slender";
+
+/// The general law without its term of the speed, for forces that are divided by a law of the speed.
+const QUASI_STATIC_FORM: &str = "poly(x,7) + slender";
+
+/// Share of friction without second drives: `wood.friction_share` of the base design.
+const FRICTION_SHARE: f64 = 0.6;
+
+/// The form that is fitted if none is given.
+pub fn default_form(rate: Option<&Rate>) -> &'static str {
+    match rate {
+        None => GENERAL_FORM,
+        Some(_) => QUASI_STATIC_FORM,
+    }
+}
+
 /// Settings of a fit.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -42,10 +59,8 @@ pub struct Options {
 /// Settings of a fit with a law of the speed.
 #[derive(Debug, Clone, Copy)]
 pub struct Rate {
-    /// Share of friction in the force at full depth; `None` takes that of second drives, else the default.
+    /// Share of friction in the force at full depth; `None` takes that of second drives, else 0.6.
     pub share: Option<f64>,
-    /// Share without second drives.
-    pub default_share: f64,
     /// Whether beta and v_m are estimated.
     pub estimate: bool,
 }
@@ -154,7 +169,7 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
     let divided = options.rate.zip(chosen).map(|(rate, method)| {
         let measured = split.as_ref().map(|split| split.friction_share);
         let choice = RateChoice {
-            friction_share: rate.share.or(measured).unwrap_or(rate.default_share),
+            friction_share: rate.share.or(measured).unwrap_or(FRICTION_SHARE),
             speed: SpeedTerms::default(),
             estimate: rate.estimate,
         };

@@ -123,6 +123,28 @@ fn the_acceleration_of_a_band_is_its_velocity_times_a_frequency_of_the_band() {
     assert_eq!(bodies, ["workpiece", "worktable"]);
 }
 
+#[test]
+fn the_result_has_the_motion_of_its_table() {
+    let text = std::fs::read_to_string(SMALL_RUN.out.join("motion.csv")).unwrap();
+    let result: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(SMALL_RUN.out.join("result.json")).unwrap()).unwrap();
+    let mut rows = text.lines().skip(1);
+    for body in result["motion"].as_array().unwrap() {
+        for band in body["bands"].as_array().unwrap() {
+            let number = |key: &str| format!("{:.4e}", band[key].as_f64().unwrap());
+            let expected = [
+                body["body"].as_str().unwrap().to_owned(),
+                format!("{:.0}", band["hz"].as_f64().unwrap()),
+                number("kinetic_energy_j_s"),
+                number("rms_velocity_m_s"),
+                number("rms_acceleration_m_s2"),
+            ];
+            assert_eq!(rows.next().unwrap(), expected.join(","));
+        }
+    }
+    assert_eq!(rows.next(), None);
+}
+
 /// One list names the outputs of a run: it has every file, and the documentation has every output.
 #[test]
 fn every_file_of_a_run_is_in_the_list_of_outputs() {

@@ -22,6 +22,8 @@ BEGIN = "<!-- effects of the options: written by tests/peers/effects_of_physics.
 END = "<!-- end of the effects -->"
 LEVELS_BEGIN = "<!-- levels of the options: written by tests/peers/effects_of_physics.py --update -->"
 LEVELS_END = "<!-- end of the levels -->"
+MUFFLER = "exhaust.muffler.kind=insertion_loss"
+OCTAVES = "exhaust.muffler.octaves=[0, 0, 0, 0, 5, 10, 15, 15, 15]"
 SPEED, HEAD = "wood.rate=speed", "wood.head_law=yields"
 OPTIONS = [
     ("as tested, all options off", []),
@@ -31,8 +33,13 @@ OPTIONS = [
     ("both", [SPEED, HEAD]),
     ("coated nail, friction x 0.6", ["nail.coating=0.6"]),
     ("blow as waves", ["model.blow=elastic"]),
+    ("growth rings, tip resistance +-20 %", ["wood.ring_amplitude=0.2"]),
     ("discharge of the exhaust 0.7", ["exhaust.discharge_coefficient=0.7"]),
     ("trigger fills through 28 mm2", ["trigger.fill_area=28mm2"]),
+    ("no fitting on the exhaust", ["exhaust.fitting.kind=none"]),
+    ("muffler of 5 to 15 dB above 500 Hz in its place", ["exhaust.fitting.kind=none", MUFFLER, OCTAVES]),
+    ("foam on housing and cap", ["body.cover.surfaces=both"]),
+    ("loss factor of the table 0.06, not 0.03", ["support.worktable.loss_factor=0.06"]),
 ]
 COLUMNS = ["option", *(f"t{n} [ms]" for n in (5, 6, 9, 12, 13, 14)), "rod at nail [m/s]", "mean of nail [m/s]"]
 COLUMNS += ["left at full depth [J]", "head below [mm]", "peak force [N]", "bumper [N]"]

@@ -16,16 +16,9 @@ use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::penetration::fitting::{Fitting, Options, Rate, fit_files};
+use crate::penetration::fitting::{Fitting, Options, Rate, default_form, fit_files};
 use crate::penetration::{PenetrationError, file_of};
 use crate::tables::{dash, fixed};
-
-/// The form of the published general law (Eq. 2.2), and the same without its term of the speed.
-const FORM: &str = "poly(x,7) + rate + slender";
-const QUASI_STATIC: &str = "poly(x,7) + slender";
-
-/// `wood.friction_share` of the base design.
-const FRICTION_SHARE: f64 = 0.6;
 
 /// The file written last.
 const FIT: &str = "fit.toml";
@@ -173,12 +166,11 @@ struct FitResult<'a> {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
-    let default = if arguments.rate == RateName::None {
-        FORM
-    } else {
-        QUASI_STATIC
-    };
-    let form = arguments.form.as_deref().unwrap_or(default);
+    let rate = (arguments.rate != RateName::None).then_some(Rate {
+        share: arguments.friction_share,
+        estimate: arguments.rate == RateName::Estimate,
+    });
+    let form = arguments.form.as_deref().unwrap_or_else(|| default_form(rate.as_ref()));
     let form: Form = form.parse().map_err(PenetrationError::Form)?;
     let options = Options {
         form,
@@ -186,11 +178,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         reduce: arguments.reduce,
         leave: arguments.leave.map(Leave::from),
         split: arguments.split,
-        rate: (arguments.rate != RateName::None).then_some(Rate {
-            share: arguments.friction_share,
-            default_share: FRICTION_SHARE,
-            estimate: arguments.rate == RateName::Estimate,
-        }),
+        rate,
         cleaning: Cleaning {
             start: arguments.start.unwrap_or(Start::Automatic),
             slope_samples: arguments.slope_samples,
