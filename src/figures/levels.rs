@@ -6,7 +6,7 @@ use nailnoise_acoustics::signals::{energy_level, level_energy};
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
-use crate::result::{BandLevel, IntervalLevel, RunResult};
+use crate::result::{BandLevel, BodyMotion, IntervalLevel, RunResult};
 use crate::stages::cycle::{EventWords, ShotRecord};
 use crate::stages::ranking::SoundPower;
 
@@ -74,6 +74,30 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
         vec![intervals(result)],
     ));
     charts
+}
+
+/// Reference of velocity levels, 1 nm/s \[m/s\] (ISO 1683).
+const REFERENCE_VELOCITY: f64 = 1e-9;
+
+/// Velocity levels of the elastic bodies in the bands of the result; none without such bodies.
+pub(crate) fn motion(subject: &str, result: &RunResult) -> Option<Chart> {
+    let shown = result.ranking.first()?.bands.len();
+    let level = |velocity: f64| (velocity > 0.0).then(|| 20.0 * (velocity / REFERENCE_VELOCITY).log10());
+    let body = |(place, own): (usize, &BodyMotion)| {
+        let levels = own.bands.iter().take(shown).map(|band| level(band.rms_velocity_m_s));
+        Series::over(&own.body, in_palette(&own.body, place), Shape::Steps, levels)
+    };
+    let series: Vec<Series> = result.motion.iter().enumerate().map(body).collect();
+    (!series.is_empty()).then(|| Chart {
+        name: "velocities".to_owned(),
+        title: "Motion of the bodies",
+        subject: subject.to_owned(),
+        caption: "One-third-octave levels of the normal velocity of each elastic body, RMS over its outer surface and \
+                  1 s, dB re 1 nm/s. Values: motion.csv."
+            .to_owned(),
+        panels: vec![bands("L_v per 1/3 octave", result, series)],
+        events: Vec::new(),
+    })
 }
 
 /// A panel of one-third-octave bands with one tick per octave.

@@ -35,7 +35,7 @@ pub(crate) use chart::{subscripts, symbol};
 pub use cycle::cycle;
 pub use energy::energy;
 pub use fitted::{fit, residuals};
-pub(crate) use levels::{from_event, in_palette};
+pub(crate) use levels::{from_event, in_palette, motion};
 pub use levels::{levels, power};
 pub use measurement::measurement;
 pub use network::network;

@@ -98,7 +98,13 @@ fn limit(figure: &str, value: &str) -> Result<f64, String> {
         return Err(format!("the unit of {figure} is missing, as in {value} {unit}"));
     }
     let dimension = Dimension::of_unit(unit).map_err(|error| error.to_string())?;
-    measure(value, dimension)
+    measure(value, dimension).map_err(|problem| match unit {
+        "" => format!(
+            "there is no figure `{figure}` with a unit; figures are total, a source, and those that `nailnoise cycle` \
+             prints, such as penetration or head_depth. --vary limits a key of the design"
+        ),
+        _ => problem,
+    })
 }
 
 impl Constraint {
@@ -215,6 +221,7 @@ mod tests {
             ("penetration >= 80 J", "mm"),
             ("outcome >= drives", "=="),
             ("exhaust <= loud", "dB"),
+            ("supply.pressure <= 100 psi", "no figure `supply.pressure`"),
         ] {
             let error = text.parse::<Constraint>().unwrap_err().to_string();
             assert!(error.contains(fault), "{text}: {error}");

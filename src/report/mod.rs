@@ -69,7 +69,7 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 22] = [
+const SHOWN: [&str; 23] = [
     "schema",
     "design",
     "inputs",
@@ -81,6 +81,7 @@ const SHOWN: [&str; 22] = [
     "cycle",
     "performance",
     "radiation_efficiencies",
+    "motion",
     "events",
     "event_words",
     "sensors",
@@ -215,6 +216,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             html! {
                 @if let Some(chart) = &more { (chart::markup(chart)) }
                 @for chart in levels.iter().filter(|own| of_parts(own)) { (chart::markup(chart)) }
+                @if let Some(chart) = figures::motion(subject, result) { (chart::markup(&chart)) }
             },
         )
         .in_the_appendix(),

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_dynamics::network::{Effort, EventTime, LedgerEntry, Peak, Record, Strike, simulate};
+use nailnoise_dynamics::network::{Assembly, Effort, EventTime, LedgerEntry, Peak, Record, Strike, simulate};
 use nailnoise_quantities::Check;
 use serde::Serialize;
 
@@ -119,6 +119,27 @@ fn headline(tool: &AssembledTool, record: &Record) -> String {
     format!("{}{}", tool.name, outcome.unwrap_or_default())
 }
 
+/// Largest pressures, speeds of the moving bodies, and depths of the fasteners.
+fn figures_of(assembly: &Assembly, record: &Record) -> Vec<Vec<String>> {
+    let largest =
+        |channel: String, size: fn(f64) -> f64| record.get(&channel)?.iter().copied().map(size).reduce(f64::max);
+    let row = |name: String, value: f64, unit: &str| vec![name, format!("{value:.3} {unit}")];
+    let mut rows = Vec::new();
+    for volume in &assembly.volumes {
+        let highest = largest(format!("{}.pressure", volume.name), |own| own);
+        rows.extend(highest.map(|own| row(format!("highest pressure, {}", volume.name), 1e-3 * own, "kPa")));
+    }
+    for body in &assembly.bodies {
+        let fastest = largest(format!("{}.velocity", body.name), f64::abs);
+        rows.extend(fastest.map(|own| row(format!("highest speed, {}", body.name), own, "m/s")));
+    }
+    for fastener in &assembly.fasteners {
+        let deepest = largest(format!("{}.deepest", fastener.name), |own| own);
+        rows.extend(deepest.map(|own| row(format!("depth of the tip, {}", fastener.name), 1e3 * own, "mm")));
+    }
+    rows
+}
+
 fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
     let mut text = format!("{}\n\n", headline(tool, record));
     let mut section = |headings: [&str; 2], rows: Vec<Vec<String>>| {
@@ -137,6 +158,7 @@ fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
         .iter()
         .map(|peak| vec![peak.block.clone(), format!("{:.1}", peak.force)]);
     section(["peak force", "N"], peaks.collect());
+    section(["figure", "value"], figures_of(&tool.resolved.assembly, record));
     let strikes = record.strikes.iter().map(|strike| {
         vec![
             format!("{} at {:.3} ms", strike.fastener, 1e3 * strike.time),
