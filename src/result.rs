@@ -3,7 +3,6 @@
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
 mod design_id;
-mod motion;
 mod performance;
 mod study;
 
@@ -28,9 +27,9 @@ use serde_json::Value;
 use crate::design::Design;
 use crate::stages::headline::Headline;
 pub use crate::stages::modal_efficiency::{BodyEfficiencies, ModeEfficiency};
+pub use crate::stages::motion_bands::{BandMotion, BodyBands};
 
 pub use design_id::DesignId;
-pub use motion::{BodyMotion, MotionBand};
 pub use performance::Performance;
 pub(crate) use performance::{PerformanceFigure, free_air, free_volume, pressures};
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
@@ -84,7 +83,7 @@ pub struct RunResult {
     /// rigid bodies. Modes also radiate together, so that powers of single modes do not sum to that of the source.
     pub radiation_efficiencies: Vec<BodyEfficiencies>,
     /// Motion of the elastic bodies in one-third-octave bands over the whole shot; empty for rigid bodies.
-    pub motion: Vec<BodyMotion>,
+    pub motion: Vec<BodyBands>,
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Starts>,

@@ -12,9 +12,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
 use crate::model::sources::{ImpedanceComparison, SourceStages};
-use crate::result::{
-    BodyMotion, Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts,
-};
+use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts};
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
@@ -302,7 +300,7 @@ impl Chain {
             coupling,
             fluid_loading_changes,
             radiation_efficiencies: efficiencies,
-            motion: motion.iter().map(BodyMotion::from).collect(),
+            motion: motion.to_vec(),
             starts: starts.map(|(_, starts)| starts),
             sensors: sensors.iter().map(SensorRecord::level).collect(),
             transducers: transducers.iter().map(PressureRecord::range).collect(),

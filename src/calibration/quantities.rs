@@ -19,9 +19,11 @@ const RETURN: usize = 12;
 /// Last event of the drive.
 const DRIVEN: usize = 9;
 
-/// Events at which the head valve and the piston start to move.
-const VALVE_STARTS: usize = 2;
-const PISTON_STARTS: usize = 6;
+/// The volume above the head valve is vented.
+const VENTED: usize = 2;
+
+/// The nail's tip meets the wood.
+const TIP_MEETS_WOOD: usize = 6;
 
 /// End of a record from which only the drive is read \[s\].
 const END_OF_DRIVE: f64 = 45e-3;
@@ -205,8 +207,8 @@ impl Quantity {
     ///
     /// From published comparisons of the model: times differ by 2.6 % rms except for the drive, pressures above the
     /// piston by 7.5 % rms. From the comparison with the N80CB (`docs/validation.md`), for figures that the ranges of
-    /// its inputs do not contain, the distance to their interval: 8 % for the mean speed, 0.25 ms from the start of the
-    /// valve to that of the piston. The values for depth, speed before impact and travel are estimates.
+    /// its inputs do not contain, the distance to their interval: 8 % for the mean speed, 0.25 ms from t2 to t6. The
+    /// values for depth, speed before impact and travel are estimates.
     pub(super) fn discrepancy(&self, value: f64) -> f64 {
         let share = |share: f64| Spread::new(share, 0.0).at(value);
         match self {
@@ -219,7 +221,7 @@ impl Quantity {
                 share(0.1).max(2e-3)
             }
             Self::Interval { to: DRIVEN, .. } => share(0.05),
-            Self::Interval { from, to } if *from <= VALVE_STARTS && *to >= PISTON_STARTS => share(0.03).max(2.5e-4),
+            Self::Interval { from, to } if *from <= VENTED && *to >= TIP_MEETS_WOOD => share(0.03).max(2.5e-4),
             Self::Interval { .. } => share(0.03).max(1e-4),
             Self::Pressure(Chamber::AbovePiston, _) | Self::PeakPressure(Chamber::AbovePiston) => {
                 spread::PRESSURE_ABOVE_ERROR.at(value)

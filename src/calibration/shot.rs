@@ -34,8 +34,8 @@ pub(super) enum Shot {
 }
 
 impl Shot {
-    /// The shot of a design. That of the keys is recorded until `end` \[s\], or until the design's own end if the drive
-    /// is not complete by then. That of an assembly is recorded until the assembly's own end.
+    /// The shot of a design. The record of the tool of the keys ends at `end` \[s\], or at `analysis.cycle_end` if the
+    /// drive is not complete by then. The record of an assembly ends as its file states.
     ///
     /// # Errors
     /// Why the shot is missing: `refused`, `dry_fire` or `solver_failure`.
@@ -87,7 +87,7 @@ impl Shot {
     }
 }
 
-/// Whether the piston has stopped on the workpiece, and the nail has not moved deeper at the end of the record.
+/// Whether the piston has stopped on the workpiece, and the nail stays at its depth until the record ends.
 fn drive_is_complete(record: &CycleRecord) -> bool {
     let depth = &record.motion.nail_depth;
     let before = depth
@@ -118,7 +118,7 @@ mod tests {
 
     use super::*;
 
-    /// Through a vent of 1.5 mm2 the volume above the valve empties so slowly that the drive begins after 52 ms.
+    /// With a vent of 1.5 mm2, the volume above the valve empties slowly, and the drive begins at 52 ms.
     #[test]
     fn a_record_goes_on_until_the_drive_is_complete() {
         let mut design = Design::shipped("n80cb.toml").unwrap();

@@ -115,7 +115,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         .iter()
         .map(|(key, record)| (key.clone(), record.value.clone()))
         .collect();
-    let values = Values::build("", &found).map_err(|key| missing((key, false), 1, "a value".to_owned(), chain))?;
+    let values = Values::build("", &found).map_err(|key| missing_key((key, false), 1, "a value".to_owned(), chain))?;
     // With an assembly the keys that it uses are known later.
     if let Some(conflict) = values.conflict().filter(|_| assembly.is_none()) {
         return Err(conflicting(conflict, &records));
@@ -254,15 +254,15 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
         .filter(|(other, _)| is_member && other.rsplit_once('.').is_some_and(|(own, _)| own == group));
     let places = beside.filter_map(|(_, merged)| merged.value.as_ref().map(|(.., place)| (merged.depth, place)));
     let first = places.min_by_key(|(depth, place)| (*depth, place.span().start));
-    let mut error = missing((key, is_member), count, example, chain);
+    let mut error = missing_key((key, is_member), count, example, chain);
     if let Some((_, place)) = first {
         error.at = Some(place.clone());
     }
     Err(error)
 }
 
-/// The error that a key, which may belong to a member of a list, is missing.
-fn missing((key, is_member): (String, bool), count: usize, example: String, chain: &[File]) -> DesignError {
+/// Error for a missing key, which may belong to a member of a list.
+fn missing_key((key, is_member): (String, bool), count: usize, example: String, chain: &[File]) -> DesignError {
     // The chain contains at least the design itself.
     let at = chain[chain.len() - 1].place(0..0);
     Problem::Missing {

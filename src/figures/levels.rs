@@ -6,7 +6,7 @@ use nailnoise_acoustics::signals::{energy_level, level_energy};
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
-use crate::result::{BandLevel, BodyMotion, IntervalLevel, RunResult};
+use crate::result::{BandLevel, BodyBands, IntervalLevel, RunResult};
 use crate::stages::cycle::{EventWords, ShotRecord};
 use crate::stages::ranking::SoundPower;
 
@@ -79,11 +79,11 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
 /// Reference of velocity levels, 1 nm/s \[m/s\] (ISO 1683).
 const REFERENCE_VELOCITY: f64 = 1e-9;
 
-/// Velocity levels of the elastic bodies in the bands of the result; none without such bodies.
+/// Chart of the velocity level of each elastic body by third octaves; `None` if all bodies are rigid.
 pub(crate) fn motion(subject: &str, result: &RunResult) -> Option<Chart> {
     let shown = result.ranking.first()?.bands.len();
     let level = |velocity: f64| (velocity > 0.0).then(|| 20.0 * (velocity / REFERENCE_VELOCITY).log10());
-    let body = |(place, own): (usize, &BodyMotion)| {
+    let body = |(place, own): (usize, &BodyBands)| {
         let levels = own.bands.iter().take(shown).map(|band| level(band.rms_velocity_m_s));
         Series::over(&own.body, in_palette(&own.body, place), Shape::Steps, levels)
     };

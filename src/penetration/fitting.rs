@@ -18,10 +18,10 @@ use super::recordings::clean;
 /// VIF above which a single coefficient has little meaning (Belsley, Kuh and Welsch, 1980).
 const HIGH_VIF: f64 = 1e3;
 
-/// The form of the published general law (Eq. 2.2), for forces without a law of the speed.
+/// The published general law (Eq. 2.2), which has its own term of the speed.
 const GENERAL_FORM: &str = "poly(x,7) + rate + slender";
 
-/// The general law without its term of the speed, for forces that are divided by a law of the speed.
+/// The general law without its term of the speed, for fits with a separate law of the speed.
 const QUASI_STATIC_FORM: &str = "poly(x,7) + slender";
 
 /// Share of friction without second drives: `wood.friction_share` of the base design.
@@ -161,7 +161,7 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
         true => Some(parts(&all, &drives, &again, data)?),
         false => None,
     };
-    // The terms by which forces are divided and those of the law are found by the same method.
+    // The law of the speed and the penetration law are fitted by the same method.
     let chosen = match options.rate {
         Some(_) => options.method.or_else(|| Some(Method::of(&options.form, &drives))),
         None => options.method,

@@ -7,6 +7,7 @@ use nailnoise_acoustics::radiation::{Erp, ModalRadiation, ModalSpectra, Radiatin
 use nailnoise_acoustics::signals::{Band, Weighting, bands_of, energy_weights};
 use nailnoise_meshes::open_faces;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Body;
@@ -14,21 +15,22 @@ use super::spectra::MovingBody;
 use super::{Code, Postcard, Progress, Stage, code};
 use crate::error::Error;
 
-/// Motion of a body in a third octave, over the whole shot.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Motion of a body in a one-third-octave band, over the whole shot. The RMS values are means over the area of the
+/// outer surface and over 1 s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BandMotion {
     /// Exact mid-band frequency \[Hz\].
     pub hz: f64,
-    /// Time integral of the body's kinetic energy \[J s\].
-    pub kinetic: f64,
-    /// Normal velocity of the outer surface, RMS over its area and over 1 s \[m/s\].
-    pub velocity: f64,
-    /// Normal acceleration likewise \[m/s2\].
-    pub acceleration: f64,
+    /// Time integral of the kinetic energy \[J s\].
+    pub kinetic_energy_j_s: f64,
+    /// RMS normal velocity \[m/s\].
+    pub rms_velocity_m_s: f64,
+    /// RMS normal acceleration \[m/s2\].
+    pub rms_acceleration_m_s2: f64,
 }
 
 /// Motion of a body in the third octaves of the analysed range.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BodyBands {
     /// The body.
     pub body: String,
@@ -100,9 +102,9 @@ fn of_body(body: &Body, spectra: &ModalSpectra) -> Result<BodyBands, Error> {
         let [kinetic, velocity, acceleration] = sums;
         BandMotion {
             hz: band.hz,
-            kinetic,
-            velocity: velocity.sqrt(),
-            acceleration: acceleration.sqrt(),
+            kinetic_energy_j_s: kinetic,
+            rms_velocity_m_s: velocity.sqrt(),
+            rms_acceleration_m_s2: acceleration.sqrt(),
         }
     };
     Ok(BodyBands {

@@ -120,7 +120,7 @@ fn headline(tool: &AssembledTool, record: &Record) -> String {
 }
 
 /// Largest pressures, speeds of the moving bodies, and depths of the fasteners.
-fn figures_of(assembly: &Assembly, record: &Record) -> Vec<Vec<String>> {
+fn largest_values(assembly: &Assembly, record: &Record) -> Vec<Vec<String>> {
     let largest =
         |channel: String, size: fn(f64) -> f64| record.get(&channel)?.iter().copied().map(size).reduce(f64::max);
     let row = |name: String, value: f64, unit: &str| vec![name, format!("{value:.3} {unit}")];
@@ -158,7 +158,7 @@ fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
         .iter()
         .map(|peak| vec![peak.block.clone(), format!("{:.1}", peak.force)]);
     section(["peak force", "N"], peaks.collect());
-    section(["figure", "value"], figures_of(&tool.resolved.assembly, record));
+    section(["figure", "value"], largest_values(&tool.resolved.assembly, record));
     let strikes = record.strikes.iter().map(|strike| {
         vec![
             format!("{} at {:.3} ms", strike.fastener, 1e3 * strike.time),
