@@ -49,6 +49,14 @@ pub(super) struct ToMeasure {
     pub(super) measurement: Measurement,
 }
 
+/// Keys in the order of their effect.
+pub(super) struct OrderedKeys {
+    /// The keys, the one of the largest effect first.
+    pub(super) keys: Vec<String>,
+    /// The results that decide the order.
+    pub(super) basis: String,
+}
+
 impl Effects {
     /// Effects on the total from a known study of a design. Without one: effects of one input at a time if `compute`,
     /// else effects on the depth of the nail.
@@ -59,6 +67,28 @@ impl Effects {
             _ if compute => Ok(Self::computed(graph, design, progress)?.described(design)),
             _ => Ok(Self::on_depth(graph, design)?.described(design)),
         }
+    }
+
+    /// Keys in descending order of their effect on the total, from a known study, followed by those that the study does
+    /// not separate from chance, by their effect on the depth of the nail.
+    pub(super) fn ordered_keys(graph: &Graph, design: &Design) -> Result<OrderedKeys, Error> {
+        // The rest of a basis is about options of `check`.
+        let basis = |own: &Self| own.basis.split(';').next().unwrap_or_default().to_owned();
+        let on_depth = Self::on_depth(graph, design)?;
+        let known = Serving::of(graph.store(), design)?;
+        let Some(on_total) = known.and_then(|serving| Self::of_study(&serving.result)) else {
+            let basis = basis(&on_depth);
+            return Ok(OrderedKeys {
+                keys: on_depth.inputs.into_iter().map(|own| own.key).collect(),
+                basis,
+            });
+        };
+        let basis = format!("{}; then {}", basis(&on_total), basis(&on_depth));
+        let mut keys: Vec<String> = on_total.inputs.into_iter().map(|own| own.key).collect();
+        let others = on_depth.inputs.into_iter().map(|own| own.key);
+        let others: Vec<String> = others.filter(|key| !keys.contains(key)).collect();
+        keys.extend(others);
+        Ok(OrderedKeys { keys, basis })
     }
 
     fn of_study(study: &StudyResult) -> Option<Self> {

@@ -19,6 +19,7 @@ use crate::output::{self, Exports};
 use crate::result::Check;
 use crate::store::Store;
 use crate::tables::optimisation as tables;
+use crate::tables::performance::{CSV_HEADINGS, csv_cells};
 use crate::units::Units;
 use crate::{figures, report};
 
@@ -268,7 +269,8 @@ fn text(found: &Optimisation, files: &[String], page: &Path, units: Units) -> St
     let table = table::text(&tables::best(found, &[]).in_units(units));
     let list: String = files.iter().map(|file| format!("  {file}\n")).collect();
     format!(
-        "{title}\n\n{table}\n{list}  {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare \
+        "{title}; head below the surface, energy left as the nail is flush, air of a shot\n\n{table}\n{list}  \
+         {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare \
          --draws` says how sure the change is\n",
         files[0]
     )
@@ -297,6 +299,7 @@ fn csv(found: &Optimisation) -> Result<Vec<u8>, Error> {
     let header = header.chain(sources.iter().map(|source| format!("L_WA,1s {source} [dB]")));
     let header = header
         .chain(figures.iter().cloned())
+        .chain(CSV_HEADINGS.map(str::to_owned))
         .chain(["not feasible because".to_owned()]);
     let rows = found.trials.iter().map(|trial| {
         let figure = |name: &String| {
@@ -314,6 +317,7 @@ fn csv(found: &Optimisation) -> Result<Vec<u8>, Error> {
             figure(&crate::result::TOTAL.to_owned()),
         ]);
         row.extend(sources.iter().chain(&figures).map(figure));
+        row.extend(csv_cells(trial.shot.as_ref().map(|shot| &shot.performance)));
         row.push(tables::excluded(found, trial));
         row
     });

@@ -20,6 +20,7 @@ use crate::report;
 use crate::result::DesignId;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
+use crate::tables::performance::{CSV_HEADINGS, csv_cells};
 use crate::tables::sweep::{self as tables, sources};
 use crate::units::Units;
 
@@ -196,26 +197,6 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint], units: Units) -> Strin
     )
 }
 
-/// Columns of [`performance`].
-const PERFORMANCE: [&str; 4] = [
-    "head below the surface [m]",
-    "energy left at flush [J]",
-    "air a shot [m3]",
-    "shots a second at most [Hz]",
-];
-
-/// Driving margin, air consumption and rate of a point's shot; an entry without a value is empty.
-fn performance(point: &SweptPoint) -> [String; 4] {
-    let own = point.performance;
-    let all = [
-        own.and_then(|own| own.head_depth_m),
-        own.and_then(|own| own.energy_left_j),
-        own.and_then(|own| own.air_m3),
-        own.and_then(|own| own.shots_per_second),
-    ];
-    all.map(|value| value.map_or_else(String::new, |value| format!("{value:.6e}")))
-}
-
 /// `sweep.csv`: one row per point.
 fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let sources = sources(points);
@@ -230,7 +211,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
         let of = |what: &str| ["P5", "P50", "P95"].map(|p| format!("{what} {} {p} [dB]", change.source));
         [of("L_WA,1s"), of("change of")].concat()
     }));
-    let header = header.chain(PERFORMANCE.map(str::to_owned));
+    let header = header.chain(CSV_HEADINGS.map(str::to_owned));
     let widths = drawn.map_or(0, |drawn| 6 * drawn.len());
     let decibels = |level: Option<f64>| level.map_or_else(String::new, |level| format!("{level:.4}"));
     let row = |point: &SweptPoint| {
@@ -249,7 +230,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
                     .map(decibels)
                     .collect(),
             })
-            .chain(performance(point))
+            .chain(csv_cells(point.performance.as_ref()))
             .collect::<Vec<_>>()
     };
     output::table(header, points.iter().map(row))

@@ -177,11 +177,9 @@ impl Watching<'_> {
         self.arguments.shown.print(&text)?;
         if !self.board.has_sliders() {
             self.board.begin("which inputs matter");
-            let effects = Effects::of(&graph, &design, false, progress)?;
-            let keys = effects.inputs.into_iter().map(|own| own.key);
-            // The rest of the sentence is about options of `check`.
-            let basis = effects.basis.split(';').next().unwrap_or_default();
-            self.board.offer(Slider::of(&design, keys, units), basis);
+            let ordered = Effects::ordered_keys(&graph, &design)?;
+            let keys = ordered.keys.into_iter();
+            self.board.offer(Slider::of(&design, keys, units), &ordered.basis);
         }
         if source.awaits_screening(&design, &reported.run.result) {
             self.board.begin("how sure the levels are");

@@ -187,11 +187,13 @@ impl Objective {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::result::Performance;
 
     fn shot(outcome: &str, penetration: f64) -> Shot {
         Shot {
             outcome: outcome.to_owned(),
             figures: vec![("penetration".to_owned(), Some(penetration))],
+            performance: Performance::default(),
             levels: None,
             total_db: None,
         }

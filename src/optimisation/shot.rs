@@ -14,13 +14,9 @@ use crate::stages::levels::Levels;
 /// The work that nail and wood take up \[J\], beside the figures of the cycle's summary.
 pub(super) const DRIVE_ENERGY: &str = "drive_energy";
 
-/// Figures of a shot that show what quieting costs: depth, work on nail and wood, air a shot.
-const COSTS: [&str; 3] = ["penetration", DRIVE_ENERGY, "supply_mass"];
-
-/// The same for an assembly: depth of the head \[m\] and kinetic energy left at flush \[J\].
+/// Depth of the head \[m\], which the summary of a design's keys contains, and kinetic energy left at flush \[J\].
 const HEAD_DEPTH: &str = "head_depth";
 const FLUSH_ENERGY: &str = "flush_energy";
-const ASSEMBLY_COSTS: [&str; 2] = [HEAD_DEPTH, FLUSH_ENERGY];
 
 /// The shot of a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,6 +26,8 @@ pub struct Shot {
     /// Name and value of each figure of the cycle \[SI\]; none for a phase that does not occur.
     #[serde(serialize_with = "as_object")]
     pub figures: Vec<(String, Option<f64>)>,
+    /// What quieting costs.
+    pub performance: Performance,
     /// Levels of the sources; none if the shot breaks a constraint.
     pub levels: Option<Levels>,
     /// Level of all sources together \[dB re 1 pW s\].
@@ -50,13 +48,18 @@ impl Shot {
             return Self::of_assembly(&cycle, design);
         }
         let record = chain::cycle(design)?;
+        let performance = Performance::of(&record, &inputs::cycle::parameters(design)?);
         let summary = serde_json::to_value(&record.summary).map_err(Error::Json)?;
         let figures = summary.as_object().into_iter().flatten();
         let figures = figures.map(|(name, value)| (name.clone(), value.as_f64()));
-        let work = (DRIVE_ENERGY.to_owned(), Some(record.energy.penetration));
+        let energies = [
+            (DRIVE_ENERGY.to_owned(), Some(record.energy.penetration)),
+            (FLUSH_ENERGY.to_owned(), performance.energy_left_j),
+        ];
         Ok(Self {
             outcome: record.outcome.name().to_owned(),
-            figures: figures.chain([work]).collect(),
+            figures: figures.chain(energies).collect(),
+            performance,
             levels: None,
             total_db: None,
         })
@@ -67,8 +70,10 @@ impl Shot {
         let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
         let performance = Performance::of_assembly(&record, &cycle.assembly, &design.ambient);
         let shot = ShotRecord::of_assembly(&cycle.assembly, record);
-        let costs = [performance.head_depth_m, performance.energy_left_j];
-        let costs = ASSEMBLY_COSTS.map(str::to_owned).into_iter().zip(costs);
+        let of_fastener = [
+            (HEAD_DEPTH.to_owned(), performance.head_depth_m),
+            (FLUSH_ENERGY.to_owned(), performance.energy_left_j),
+        ];
         let figures = match shot.figures {
             SummaryFigures::Assembly(own) => own,
             SummaryFigures::Keys(_) => Default::default(),
@@ -76,18 +81,11 @@ impl Shot {
         let figures = figures.into_iter().map(|(name, value)| (name, Some(value)));
         Ok(Self {
             outcome: shot.outcome,
-            figures: figures.chain(costs).collect(),
+            figures: figures.chain(of_fastener).collect(),
+            performance,
             levels: None,
             total_db: None,
         })
-    }
-
-    /// Names of the figures that show what quieting costs.
-    pub(crate) fn costs(&self) -> &'static [&'static str] {
-        match self.figures.iter().any(|(name, _)| name == DRIVE_ENERGY) {
-            true => &COSTS,
-            false => &ASSEMBLY_COSTS,
-        }
     }
 
     /// A figure of the cycle \[SI\] or a level \[dB re 1 pW s\] by its name; none where it does not occur or is silent,

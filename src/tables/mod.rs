@@ -8,6 +8,7 @@ pub(crate) mod cycle;
 pub(crate) mod measured;
 pub(crate) mod measurement;
 pub(crate) mod optimisation;
+pub(crate) mod performance;
 pub(crate) mod run;
 pub(crate) mod study;
 pub(crate) mod sweep;

@@ -1,6 +1,6 @@
 //! Tables of an optimisation.
 
-use super::{Cell, Column, Table, dash, decibels};
+use super::{Cell, Column, Table, dash, decibels, performance};
 use crate::optimisation::{Objective, Optimisation, Trial};
 use crate::result::TOTAL;
 use crate::wording;
@@ -23,41 +23,27 @@ fn figure(trial: &Trial, name: &str) -> String {
     }
 }
 
-/// Figures shown next to the levels: objectives that are not levels, then the costs of quieting.
+/// Objectives that are not levels, which have columns of their own.
 fn figures(found: &Optimisation) -> Vec<&str> {
     let own = found.objectives.iter().map(|own: &Objective| own.figure.as_str());
-    let mut names: Vec<&str> = own.filter(|name| !crate::optimisation::is_level(name)).collect();
-    let shot = found
-        .trials
-        .iter()
-        .chain([&found.start])
-        .find_map(|own| own.shot.as_ref());
-    names.extend(shot.map_or(&[][..], |shot| shot.costs()));
-    let mut seen = Vec::new();
-    names.retain(|name| {
-        !seen.contains(name) && {
-            seen.push(*name);
-            true
-        }
-    });
-    names
+    own.filter(|name| !crate::optimisation::is_level(name)).collect()
 }
 
-/// The columns after the name: values, levels, figures.
+/// The name, values, levels, other objectives and what quieting costs.
 fn columns(found: &Optimisation, first: &str) -> Vec<Column> {
     let keys = found.variables.iter().map(|own| Column::number(&own.key));
     let levels = sources(found)
         .into_iter()
         .map(|name| Column::number(format!("{name} dB")).page_only());
-    let figures = figures(found).into_iter().map(|name| match name {
-        "supply_mass" => Column::number("air a shot"),
-        name => Column::number(name.replace('_', " ")),
-    });
+    let figures = figures(found)
+        .into_iter()
+        .map(|name| Column::number(name.replace('_', " ")));
     std::iter::once(Column::words(first))
         .chain(keys)
         .chain([Column::number("total dB"), Column::number("change dB")])
         .chain(levels)
         .chain(figures)
+        .chain(performance::HEADINGS.map(Column::number))
         .collect()
 }
 
@@ -77,6 +63,7 @@ fn row(found: &Optimisation, name: Cell, trial: &Trial) -> Vec<Cell> {
         ])
         .chain(levels)
         .chain(figures(found).into_iter().map(|name| Cell::from(figure(trial, name))))
+        .chain(performance::cells(trial.shot.as_ref().map(|shot| &shot.performance)))
         .collect()
 }
 

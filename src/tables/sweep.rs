@@ -1,7 +1,8 @@
 //! Tables of a sweep.
 
+use super::performance::{self, cells};
 use super::study::probability;
-use super::{Cell, Column, Table, dash, decibels};
+use super::{Cell, Column, Table, decibels};
 use crate::study::{Axis, Quantiles, SweptPoint};
 
 /// Names of the sources, in the order of the levels.
@@ -18,15 +19,6 @@ fn axis_columns(axes: &[Axis]) -> impl Iterator<Item = Column> {
         0 => Column::words(&axis.key),
         _ => Column::short(&axis.key),
     })
-}
-
-/// Headings of the figures of [`performance`], the costs of quieting.
-const PERFORMANCE: [&str; 4] = ["head mm", "left J", "air L", "shots/s"];
-
-/// Remaining energy and consumption of the shot of a point; `None` for values that do not exist.
-fn performance(point: &SweptPoint) -> [Option<String>; 4] {
-    let figures = point.performance.map(|own| own.figures().map(|figure| figure.value));
-    figures.unwrap_or_default()
 }
 
 /// Levels of the design at each point, with the remaining energy, the consumption and the outcome of its shot.
@@ -49,17 +41,21 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
                     None => levels.outcome.replace('_', " ").into(),
                 };
                 row.push(decibels(point.total_db).into());
-                row.extend(performance(point).map(|value| dash(value, |value| value).into()));
+                row.extend(cells(point.performance.as_ref()));
                 row.push(shot);
             }
             None => {
-                row.extend(vec![Cell::from("-"); sources.len() + 1 + PERFORMANCE.len()]);
+                row.extend(vec![Cell::from("-"); sources.len() + 1 + performance::HEADINGS.len()]);
                 row.push(format!("no design: {}", point.refused).into());
             }
         }
         row
     };
-    let levels = sources.iter().map(String::as_str).chain(["total"]).chain(PERFORMANCE);
+    let levels = sources
+        .iter()
+        .map(String::as_str)
+        .chain(["total"])
+        .chain(performance::HEADINGS);
     let levels = levels.map(Column::number);
     Table::new(
         axis_columns(axes).chain(levels).chain([Column::short("shot")]),
