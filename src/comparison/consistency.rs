@@ -209,6 +209,14 @@ mod tests {
     fn numbers_that_can_be_pass() {
         let value = json!({"lwa_db": null, "lw_db": -40.0, "share": -1e-32, "range_hz": [50, 2e4], "force": -1e5});
         assert_eq!(numbers(&value), Ok(()));
+        assert_eq!(
+            numbers(&json!({"modes": [{"frequency_hz": 90.0, "shift_hz": -0.4}]})),
+            Ok(())
+        );
+        assert_eq!(
+            place(&json!({"modes": [{"frequency_hz": -0.4}]})).as_deref(),
+            Some("modes[0].frequency_hz")
+        );
     }
 
     #[test]
