@@ -170,6 +170,8 @@ impl Design {
             mut warnings,
         } = resolve::resolve(&chain)?;
         warnings.extend(File::shipped_base(&chain));
+        let unused = assembly.iter().flat_map(AssemblyText::unused);
+        warnings.extend(unused.map(Warning::Unused));
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -227,6 +229,11 @@ impl Design {
     /// Network given by the tables `[cycle]`; `None` for a design without such tables.
     pub fn assembly(&self) -> Option<&AssemblyText> {
         self.assembly.as_ref().map(DesignAssembly::text)
+    }
+
+    /// Same as [`assembly`](Self::assembly), shared.
+    pub(crate) fn shared_assembly(&self) -> Option<Arc<AssemblyText>> {
+        self.assembly.as_ref().map(DesignAssembly::shared_text)
     }
 
     /// Values of all keys and of the literals that were set, as the formulas of an assembly read them.
