@@ -2,7 +2,6 @@
 
 use serde::{Serialize, Serializer};
 
-
 use crate::chain;
 use crate::design::{Design, inputs};
 use crate::error::Error;

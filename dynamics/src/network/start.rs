@@ -310,8 +310,8 @@ impl Plan {
         })
     }
 
-    /// The load that presses a contact on which a body rests, negative if the contact would have to pull \[N\]: its force
-    /// in the equilibrium in which all such contacts hold both ways. None if there is no such equilibrium.
+    /// The load that presses a contact on which a body rests, negative if the contact would have to pull \[N\]: its
+    /// force in the equilibrium in which all such contacts hold both ways. None if there is no such equilibrium.
     fn press(&self, contact: usize) -> Option<f64> {
         let mut w = Workspace::new(self);
         let Origin { mut y, mut mode, .. } = self.guess(&mut w);

@@ -363,8 +363,8 @@ fn a_fault_that_an_override_causes_names_the_override() {
             "; changed at own.toml, line 4, by `cycle.passage.intake.seat.at`",
         ),
         (
-            "[cycle.face]\nextra = { volume = \"below_piston\", body = \"piston\", push = \"up\", area = \"5 cm2\" }\nback = { \
-             volume = \"atmosphere\", body = \"piston\", push = \"down\", area = \"5 cm2\" }",
+            "[cycle.face]\nextra = { volume = \"below_piston\", body = \"piston\", push = \"up\", area = \"5 cm2\" }\n\
+             back = { volume = \"atmosphere\", body = \"piston\", push = \"down\", area = \"5 cm2\" }",
             "`cycle.volume.below_piston` shrinks",
             "; changed at own.toml, line 4, by `cycle.face.extra`",
         ),

@@ -19,7 +19,9 @@ fn failure(blocks: &str, changes: Option<&str>) -> PlacedError {
     files.extend(changes.map(|changes| Document::new(Path::new("changes.toml"), changes)));
     let text = AssemblyText::open_files(&files).unwrap_or_else(|error| panic!("{error}"));
     let resolved = text.resolve(&BTreeMap::<String, KeyValue>::new());
-    let assembly = resolved.unwrap_or_else(|error| panic!("{error}; {}", error.help())).assembly;
+    let assembly = resolved
+        .unwrap_or_else(|error| panic!("{error}; {}", error.help()))
+        .assembly;
     let error = simulate(&assembly, &Numerics::default()).err();
     text.placed(&assembly, error.unwrap_or_else(|| panic!("it runs: {blocks}")))
 }
@@ -34,9 +36,9 @@ fn assert_place(error: &PlacedError, line: usize, path: &str) {
 }
 
 /// A piston without a stop that moves into a closed volume.
-const CUSHION: &str = r#"body.piston = { mass = "2 kg", start = { travel = "0 mm", speed = "-20 m/s" }, unbalanced = true }
-
-
+const CUSHION: &str = r#"body.piston.mass = "2 kg"
+body.piston.start = { travel = "0 mm", speed = "-20 m/s" }
+body.piston.unbalanced = true
 volume.cushion = { dead = "1 cm3", pressure = "101.325 kPa" }
 face.top = { volume = "cushion", body = "piston", push = "down", area = "1000 mm2" }
 "#;
@@ -83,7 +85,10 @@ back = { on = "piston", against = "ground", push = "up", stiffness = "1 N/mm", l
 fn a_passage_that_a_trigger_follows_endlessly_has_a_place() {
     let error = failure(
         r#"volume.vessel = { dead = "1 l", pressure = "800 kPa" }
-trigger.released = { starts = true, set = "vent gate shuts", clear = "vent gate opens", schedule = [["12.3 ms", false]] }
+trigger.released.starts = true
+trigger.released.set = "vent gate shuts"
+trigger.released.clear = "vent gate opens"
+trigger.released.schedule = [["12.3 ms", false]]
 [cycle.passage.vent]
 between = ["vessel", "atmosphere"]
 area = "1 mm2"
@@ -93,7 +98,7 @@ open = { when = "released" }
         None,
     );
     assert!(matches!(error.error, RunError::Switching { .. }), "{error}");
-    assert_place(&error, 8, "cycle.passage.vent");
+    assert_place(&error, 11, "cycle.passage.vent");
 }
 
 #[test]

@@ -69,8 +69,13 @@ fn a_block_whose_user_a_nearer_file_removes_is_not_reported() {
 fn the_remedy_says_how_a_block_is_named() {
     let own = "[cycle]\nassembly = \"blow_gun\"\n[cycle.trigger]\nlever = { starts = true }\n";
     let text = AssemblyText::open(&Document::new(Path::new("own.toml"), own)).unwrap();
-    let [lever] = &text.unused()[..] else { panic!("one is unused") };
-    assert_eq!(lever.to_string(), "`cycle.trigger.lever` has no effect: nothing names it");
+    let [lever] = &text.unused()[..] else {
+        panic!("one is unused")
+    };
+    assert_eq!(
+        lever.to_string(),
+        "`cycle.trigger.lever` has no effect: nothing names it"
+    );
     assert!(lever.help().contains("open = { when = \"lever\" }"), "{}", lever.help());
 }
 

@@ -102,8 +102,8 @@ fn a_hand_with_mass_a_magazine_with_friction_and_a_jet_with_thrust() {
     agree_within(&p, 0.070, 2.0 * LIMIT);
 }
 
-/// The published forms: a polytropic gas, flows of the trigger's channel that arrive late, contacts that pull, an elastic
-/// nail without an impact.
+/// The published forms: a polytropic gas, flows of the trigger's channel that arrive late, contacts that pull, an
+/// elastic nail without an impact.
 #[test]
 fn the_published_variant() {
     let p = n80cb().published_all();
@@ -114,7 +114,10 @@ fn the_published_variant() {
     for (i, (found, expected)) in events.enumerate() {
         match (found, expected) {
             (Some(found), Some(expected)) => {
-                assert!((found - expected).abs() < 4e-6, "t{i}: {found} s, the reference {expected} s");
+                assert!(
+                    (found - expected).abs() < 4e-6,
+                    "t{i}: {found} s, the reference {expected} s"
+                );
             }
             (None, None) => {}
             other => panic!("t{i}: {other:?}"),

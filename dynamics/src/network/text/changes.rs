@@ -131,8 +131,8 @@ impl AssemblyText {
         PlacedError { error, block }
     }
 
-    /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, and keys that the
-    /// closest file gives.
+    /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, and keys that
+    /// the closest file gives.
     pub(super) fn changes(&self, of: &Spot, parts: &[Part<'_>]) -> Vec<Change> {
         let mut search = Search {
             text: self,

@@ -9,8 +9,8 @@ use nailnoise_quantities::{Kind, Sign, range};
 use super::fault::{AssemblyError, Fault};
 use super::formula::{Term, parse};
 use super::keys::standard;
+use super::named::NamedInTexts;
 use super::node::{Entry, Node, Sources, Spot, Tree, entries};
-use super::unused::NamedInTexts;
 
 /// Built-in assemblies: name and text.
 pub const BUILT_IN: [(&str, &str); 9] = [

@@ -15,6 +15,7 @@ mod formula;
 mod keys;
 mod layers;
 mod literal;
+mod named;
 mod names;
 mod node;
 mod resolve;

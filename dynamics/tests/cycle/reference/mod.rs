@@ -1,8 +1,8 @@
 //! An independent integration of the cycle: pressures as states, branches on the sign of every gap, fixed-step RK4.
 //!
-//! Written from the published equations without the crate's model code, so that a mistake in either shows. With the forms
-//! as published the gas is polytropic, P' = R T/V (sum alpha mdot) - alpha P V'/V, the nail is elastic, and flow through
-//! the channel to the valve arrives one wave's time after it entered.
+//! Written from the published equations without the crate's model code, so that a mistake in either shows. With the
+//! forms as published the gas is polytropic, P' = R T/V (sum alpha mdot) - alpha P V'/V, the nail is elastic, and flow
+//! through the channel to the valve arrives one wave's time after it entered.
 
 use std::f64::consts::PI;
 
@@ -156,7 +156,13 @@ impl Model {
     fn arriving(&self, t: f64) -> [f64; 2] {
         let place = t / self.step;
         let (before, share) = (place.floor() as usize, place.fract());
-        let node = |at: usize| self.entered.get(at).or(self.entered.last()).copied().unwrap_or([0.0; 2]);
+        let node = |at: usize| {
+            self.entered
+                .get(at)
+                .or(self.entered.last())
+                .copied()
+                .unwrap_or([0.0; 2])
+        };
         let (a, b) = (node(before), node(before + 1));
         std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
     }

@@ -228,7 +228,9 @@ fn words_of_named(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> 
         .any(|word| matches!(word, "and" | "or" | "not"));
     let name = name.split_once('.').map_or(name, |(name, _)| name);
     let found = resolver.names.find(name).filter(|_| is_words && !is_condition)?;
-    Some(words_of(resolver, passages, &|block: &Block<'_>| block.block == found.block))
+    Some(words_of(resolver, passages, &|block: &Block<'_>| {
+        block.block == found.block
+    }))
 }
 
 /// All words of some blocks.
