@@ -79,7 +79,7 @@ impl<'n> Part<'n> {
 
 /// The error of a run, with the block at fault.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}{error}{}", location(block.as_ref()), Changes(block.as_ref().map_or(&[], |block| &block.changes)))]
+#[error("{}{error}{}", location(block.as_ref()), ending(block.as_ref()))]
 pub struct PlacedError {
     /// The error.
     pub error: RunError,
@@ -95,13 +95,17 @@ pub struct PlacedBlock {
     /// Location.
     pub at: Box<Place>,
     /// What files closer to the design change of what contributes to the error.
-    pub changes: Vec<Change>,
+    pub changes: Changes,
 }
 
 fn location(block: Option<&PlacedBlock>) -> String {
     block.map_or_else(String::new, |PlacedBlock { path, at, .. }| {
         format!("{}, line {}: `{path}`: ", at.file(), at.line())
     })
+}
+
+fn ending(block: Option<&PlacedBlock>) -> String {
+    block.map_or_else(String::new, |block| block.changes.to_string())
 }
 
 impl From<RunError> for PlacedError {
@@ -133,7 +137,7 @@ impl AssemblyText {
 
     /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, and keys that
     /// the closest file gives.
-    pub(super) fn changes(&self, of: &Spot, parts: &[Part<'_>]) -> Vec<Change> {
+    pub(super) fn changes(&self, of: &Spot, parts: &[Part<'_>]) -> Changes {
         let mut search = Search {
             text: self,
             above: self.sources.rank(of),
@@ -154,7 +158,7 @@ impl AssemblyText {
                 search.field(&format!("{path}.{}", field.key), &field.node);
             }
         }
-        search.found
+        Changes(search.found)
     }
 
     fn entry(&self, table: &str, name: &str) -> Option<&Entry> {

@@ -4,7 +4,7 @@ use nailnoise_documents::{Place, nearest};
 
 /// An error in the text of an assembly.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}, line {}: {path}{fault}{changes}", at.file(), at.line(), path = shown(path), changes = Changes(changes))]
+#[error("{}, line {}: {path}{fault}{changes}", at.file(), at.line(), path = shown(path))]
 pub struct AssemblyError {
     /// Full name of the field or block; empty for the complete file.
     pub path: String,
@@ -13,7 +13,7 @@ pub struct AssemblyError {
     /// Location.
     pub at: Box<Place>,
     /// What files closer to the design change of what contributes to the fault.
-    pub changes: Vec<Change>,
+    pub changes: Box<Changes>,
 }
 
 /// A field, block or key that a file gives in place of that of the assembly which it changes.
@@ -25,10 +25,11 @@ pub struct Change {
     pub at: Box<Place>,
 }
 
-/// Changes as the end of a message.
-pub(super) struct Changes<'a>(pub(super) &'a [Change]);
+/// Changes, shown as the end of a message.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Changes(pub Vec<Change>);
 
-impl std::fmt::Display for Changes<'_> {
+impl std::fmt::Display for Changes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for (index, Change { path, at }) in self.0.iter().enumerate() {
             let introduction = if index == 0 { "; changed at" } else { " and at" };
@@ -282,21 +283,28 @@ pub enum Fault {
     },
     /// Two open seats connect a supply to the atmosphere.
     #[error(
-        "and \"{other}\" are open together from {:.3} to {:.3} mm of \"{body}\": {reservoir} blows into atmosphere",
-        from * 1e3, to * 1e3
+        "and \"{other}\" are open together from {:.3} to {:.3} mm of \"{}\": {reservoir} blows into atmosphere",
+        travels.from * 1e3, travels.to * 1e3, travels.body
     )]
     OpenTogether {
         /// The other passage.
         other: String,
-        /// Body that opens both.
-        body: String,
-        /// Travel at which both begin to be open \[m\].
-        from: f64,
-        /// Travel at which one shuts \[m\].
-        to: f64,
+        /// Where both are open.
+        travels: Box<Travels>,
         /// Reservoir that is emptied.
         reservoir: String,
     },
+}
+
+/// A range of travel of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Travels {
+    /// The body.
+    pub body: String,
+    /// Start \[m\].
+    pub from: f64,
+    /// End \[m\].
+    pub to: f64,
 }
 
 impl Fault {

@@ -212,7 +212,7 @@ impl AssemblyText {
                 DocumentError::NotText { .. } => document.place(0..0),
             },
             fault: Fault::Syntax(error.to_string()),
-            changes: Vec::new(),
+            changes: Box::default(),
         };
         let table = document.table().map_err(syntax)?;
         let mut groups = entries(index, &table);
@@ -452,7 +452,7 @@ impl AssemblyText {
             path: path.to_owned(),
             fault,
             at: self.sources.place(spot),
-            changes: Vec::new(),
+            changes: Box::default(),
         }
     }
 }

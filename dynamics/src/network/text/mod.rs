@@ -25,7 +25,7 @@ mod unused;
 
 pub use blocks::CYCLE;
 pub use changes::{PlacedBlock, PlacedError};
-pub use fault::{AssemblyError, Change, Fault};
+pub use fault::{AssemblyError, Change, Changes, Fault, Travels};
 pub use keys::{KeyValue, Keys};
 pub use layers::{AssemblyText, BUILT_IN, DeclaredKey, LAYOUT};
 pub use literal::Literal;

@@ -4,7 +4,7 @@ use super::place::{error, error_of, stop};
 use crate::network::assembly::{Assembly, Base, Opens, Passage, Push, Space, Stop};
 use crate::network::text::blocks::{is_atmosphere, reaches_atmosphere};
 use crate::network::text::changes::Part;
-use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::fault::{AssemblyError, Fault, Travels};
 use crate::network::text::resolver::Resolver;
 
 /// Checks that every passage to the atmosphere has an opening or is marked as silent.
@@ -42,9 +42,11 @@ pub(super) fn shut_in_turn(resolver: &Resolver<'_>, assembly: &Assembly) -> Resu
             if from < to {
                 let fault = Fault::OpenTogether {
                     other: assembly.passages[second.passage].name.clone(),
-                    body: assembly.bodies[first.body].name.clone(),
-                    from,
-                    to,
+                    travels: Box::new(Travels {
+                        body: assembly.bodies[first.body].name.clone(),
+                        from,
+                        to,
+                    }),
                     reservoir: assembly.reservoirs[reservoir].name.clone(),
                 };
                 let name = &assembly.passages[first.passage].name;

@@ -2,7 +2,7 @@
 
 use crate::network::assembly::{Assembly, Base, Contact, Stop};
 use crate::network::text::changes::Part;
-use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::fault::{AssemblyError, Changes, Fault};
 use crate::network::text::resolver::Resolver;
 
 /// The error for a block, given by name.
@@ -24,9 +24,9 @@ pub(super) fn error_of(
     parts: &[Part<'_>],
 ) -> AssemblyError {
     let found = resolver.names.find(name);
-    let changes = found.map_or_else(Vec::new, |block| resolver.text.changes(block.spot, parts));
+    let changes = found.map_or_else(Changes::default, |block| resolver.text.changes(block.spot, parts));
     AssemblyError {
-        changes,
+        changes: Box::new(changes),
         ..error(resolver, table, name, fault)
     }
 }
