@@ -223,7 +223,7 @@ impl Design {
             )?))));
         }
         let text = AssemblyText::open_files(&assembly::documents(&chain)).map_err(assembly::refused)?;
-        Ok(Some(LoadedAssembly::Alone(text)))
+        Ok(Some(LoadedAssembly::Alone(Box::new(text))))
     }
 
     /// Network given by the tables `[cycle]`; `None` for a design without such tables.
@@ -562,7 +562,7 @@ pub(crate) enum LoadedAssembly {
     /// It uses the keys of a design.
     OfDesign(Box<Design>),
     /// Its files give all values.
-    Alone(AssemblyText),
+    Alone(Box<AssemblyText>),
 }
 
 /// SHA-256 of the content of a file, so that a digest depends on the content and not on the location; the name of the

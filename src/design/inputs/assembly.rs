@@ -48,7 +48,7 @@ impl AssembledTool {
         let (text, keys, numerics, fit, warnings) = match loaded {
             LoadedAssembly::Alone(text) => {
                 let warnings = text.unused().into_iter().map(Warning::Unused).collect();
-                (text, BTreeMap::new(), Numerics::default(), None, warnings)
+                (*text, BTreeMap::new(), Numerics::default(), None, warnings)
             }
             LoadedAssembly::OfDesign(design) => {
                 let Some(text) = design.assembly().cloned() else {
