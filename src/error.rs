@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use miette::Diagnostic;
+use miette::{Diagnostic, LabeledSpan, SourceCode};
 use nailnoise_dynamics::CycleError;
-use nailnoise_dynamics::network::RunError;
+use nailnoise_dynamics::network::{PlacedError, RunError};
 use nailnoise_pipeline::{PipelineError, StageError};
 use thiserror::Error;
 
@@ -37,8 +37,9 @@ pub enum Error {
     #[error("the nailing cycle of this design cannot be computed")]
     Cycle(#[from] CycleError),
     /// The cycle of an assembly could not be computed.
-    #[error("the cycle of this assembly cannot be computed")]
-    Network(#[source] Box<RunError>),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Network(Box<NetworkError>),
     /// An option that applies only to a design, given with an assembly.
     #[error("{option} is an option for a design without `[cycle]`")]
     #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
@@ -417,9 +418,36 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::radiation::RadiationError,
 );
 
+impl From<PlacedError> for Error {
+    fn from(placed: PlacedError) -> Self {
+        Self::Network(Box::new(NetworkError { placed }))
+    }
+}
+
 impl From<RunError> for Error {
     fn from(error: RunError) -> Self {
-        Self::Network(Box::new(error))
+        PlacedError::from(error).into()
+    }
+}
+
+/// The error of a run of an assembly, shown at the block at fault.
+#[derive(Debug, Error)]
+#[error("the cycle of this assembly cannot be computed")]
+pub struct NetworkError {
+    /// The error, with the place of its block.
+    #[source]
+    pub placed: PlacedError,
+}
+
+impl Diagnostic for NetworkError {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        let block = self.placed.block.as_ref()?;
+        Some(block.at.source_code())
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let block = self.placed.block.as_ref()?;
+        Some(Box::new(std::iter::once(block.at.label("here"))))
     }
 }
 
@@ -477,7 +505,7 @@ impl Error {
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
             Self::Study(StudyError::NoLevels { .. }) => 3,
             Self::PythonEnded { .. } => 3,
-            Self::Network(error) => match **error {
+            Self::Network(error) => match error.placed.error {
                 RunError::Integration { .. }
                 | RunError::Collapse { .. }
                 | RunError::Chatter { .. }

@@ -9,7 +9,7 @@ use nailnoise_meshes::{Mesh, Quality, Surface};
 use serde::Serialize;
 
 use super::table::numbers;
-use super::{Shown, Status, bodies::Input, print_json};
+use super::{Shown, Status, bodies::Input, print_json, warn};
 use crate::design::inputs;
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
@@ -94,6 +94,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             && let Some(design) = arguments.input.whole_design()?
         {
             inputs::sensors::transducers(&design)?;
+        } else {
+            warn(&tool);
         }
         return match &arguments.drawing {
             Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),

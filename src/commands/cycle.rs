@@ -8,7 +8,7 @@ use nailnoise_dynamics::{CycleRecord, EnergyFlow, simulate};
 use serde::Serialize;
 
 use super::assembly::Asked;
-use super::{Common, Status, print, print_json, status_of, table};
+use super::{Common, Status, print, print_json, status_of, table, warn};
 use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
@@ -188,9 +188,11 @@ fn of_assembly(arguments: &Arguments, tool: &AssembledTool) -> Result<Status, Er
             return super::sensitivity::execute(common, &design, outputs, parameters);
         }
         common.options.threads.start()?;
+        warn(tool);
         return super::sensitivity::execute_tool(common, tool, outputs, parameters);
     }
     common.options.threads.start()?;
+    warn(tool);
     let asked = Asked {
         path: &common.design,
         out: common.options.out.as_deref(),

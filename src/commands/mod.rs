@@ -65,6 +65,7 @@ use clap::Args;
 
 use crate::atomic_write::is_file_name;
 use crate::cost::MemoryLimit;
+use crate::design::inputs::assembly::AssembledTool;
 use crate::design::{Assignment, Design, OutsideValue, Warning};
 use crate::error::Error;
 use crate::result::Check;
@@ -260,6 +261,12 @@ impl Changes {
         warnings.for_each(|warning| report(warning.clone()));
         Ok(design)
     }
+}
+
+/// Prints the warnings about the file of an assembly, without those about values outside their ranges.
+fn warn(tool: &AssembledTool) {
+    let warnings = tool.warnings.iter().filter(|own| !is_outside(own));
+    warnings.for_each(|warning| report(warning.clone()));
 }
 
 /// Largest number of out-of-range values that are shown at their places in the file; more are shown as a table.

@@ -60,7 +60,7 @@ pub(super) struct DesignAssembly {
 
 #[derive(Debug, Clone)]
 struct EvaluatedAssembly {
-    text: AssemblyText,
+    text: Arc<AssemblyText>,
     /// Its numbers, which are keys.
     literals: Vec<Literal>,
     /// Keys of the design that its formulas use.
@@ -74,7 +74,7 @@ impl DesignAssembly {
         Self {
             read: Arc::new(EvaluatedAssembly {
                 loads_housing: loads_housing(&text),
-                text,
+                text: Arc::new(text),
                 literals: Vec::new(),
                 used: BTreeSet::new(),
             }),
@@ -87,7 +87,7 @@ impl DesignAssembly {
         let resolved = self.read.text.resolve(keys).map_err(refused)?;
         self.read = Arc::new(EvaluatedAssembly {
             loads_housing: self.read.loads_housing,
-            text: self.read.text.clone(),
+            text: Arc::clone(&self.read.text),
             literals: resolved.literals,
             used: resolved.keys,
         });
@@ -96,6 +96,11 @@ impl DesignAssembly {
 
     pub(super) fn text(&self) -> &AssemblyText {
         &self.read.text
+    }
+
+    /// The text, shared with the cycle for the places of its blocks.
+    pub(super) fn shared_text(&self) -> Arc<AssemblyText> {
+        Arc::clone(&self.read.text)
     }
 
     fn literal(&self, key: &str) -> Option<&Literal> {

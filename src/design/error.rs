@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
 use nailnoise_documents::{DocumentError, Place};
-use nailnoise_dynamics::network::AssemblyError;
+use nailnoise_dynamics::network::{AssemblyError, Unused};
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Dimension, UnitError};
 
@@ -739,6 +739,9 @@ pub enum Warning {
         /// Place of the key.
         at: Box<Place>,
     },
+    /// A block or own key of the assembly has no effect.
+    #[error(transparent)]
+    Unused(Unused),
 }
 
 impl Warning {
@@ -750,6 +753,7 @@ impl Warning {
             | Self::Computed { at, .. }
             | Self::Renamed { at, .. }
             | Self::ShippedBase { at, .. } => at,
+            Self::Unused(unused) => &unused.at,
         }
     }
 }
@@ -766,6 +770,7 @@ impl Diagnostic for Warning {
             Self::Computed { .. } => "design::computed",
             Self::Renamed { .. } => "design::renamed",
             Self::ShippedBase { .. } => "design::shipped_base",
+            Self::Unused(_) => "design::unused",
         }))
     }
 
@@ -789,6 +794,7 @@ impl Diagnostic for Warning {
                  not change it",
                 name.trim_end_matches(".toml")
             ),
+            Self::Unused(unused) => unused.help(),
         }))
     }
 
@@ -803,6 +809,7 @@ impl Diagnostic for Warning {
             Self::Computed { .. } => "computed",
             Self::Renamed { .. } => "old name",
             Self::ShippedBase { .. } => "not there",
+            Self::Unused(_) => "not named",
         };
         labels(self.place(), label)
     }

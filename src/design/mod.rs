@@ -170,6 +170,8 @@ impl Design {
             mut warnings,
         } = resolve::resolve(&chain)?;
         warnings.extend(File::shipped_base(&chain));
+        let unused = assembly.iter().flat_map(AssemblyText::unused);
+        warnings.extend(unused.map(Warning::Unused));
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -221,12 +223,17 @@ impl Design {
             )?))));
         }
         let text = AssemblyText::open_files(&assembly::documents(&chain)).map_err(assembly::refused)?;
-        Ok(Some(LoadedAssembly::Alone(text)))
+        Ok(Some(LoadedAssembly::Alone(Box::new(text))))
     }
 
     /// Network given by the tables `[cycle]`; `None` for a design without such tables.
     pub fn assembly(&self) -> Option<&AssemblyText> {
         self.assembly.as_ref().map(DesignAssembly::text)
+    }
+
+    /// Same as [`assembly`](Self::assembly), shared.
+    pub(crate) fn shared_assembly(&self) -> Option<Arc<AssemblyText>> {
+        self.assembly.as_ref().map(DesignAssembly::shared_text)
     }
 
     /// Values of all keys and of the literals that were set, as the formulas of an assembly read them.
@@ -555,7 +562,7 @@ pub(crate) enum LoadedAssembly {
     /// It uses the keys of a design.
     OfDesign(Box<Design>),
     /// Its files give all values.
-    Alone(AssemblyText),
+    Alone(Box<AssemblyText>),
 }
 
 /// SHA-256 of the content of a file, so that a digest depends on the content and not on the location; the name of the

@@ -2,8 +2,6 @@
 
 use serde::{Serialize, Serializer};
 
-use nailnoise_dynamics::network;
-
 use crate::chain;
 use crate::design::{Design, inputs};
 use crate::error::Error;
@@ -67,7 +65,7 @@ impl Shot {
 
     /// The shot of an assembly, whose figures have the names of its blocks.
     fn of_assembly(cycle: &AssembledCycle, design: &Design) -> Result<Self, Error> {
-        let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
+        let record = cycle.record()?;
         let performance = Performance::of_assembly(&record, &cycle.assembly, &design.ambient);
         let shot = ShotRecord::of_assembly(&cycle.assembly, record);
         let of_fastener = [

@@ -157,8 +157,7 @@ pub fn sensitivity_of_assembly(
     };
     let subject = OfDesign {
         design,
-        assembly: &cycle.assembly,
-        numerics: cycle.numerics,
+        cycle: &cycle,
         outputs: &AssemblyOutput::choose(&cycle.assembly, names)?,
     };
     rank(&subject, keys, progress).map(Some)

@@ -11,7 +11,7 @@ use crate::design::inputs::assembly::{AssembledTool, cycle as assembled};
 use crate::design::inputs::cycle::{cycle_settings, parameters as cycle_parameters};
 use crate::design::{Design, Distribution, Entry, Provenance, RangeOrigin, Value, refused_assembly};
 use crate::error::Error;
-use crate::stages::cycle::UNNAMED;
+use crate::stages::cycle::{AssembledCycle, UNNAMED};
 use crate::study::{Parameter, taking_part};
 
 /// Tolerance of the integration as a fraction of the design's.
@@ -181,8 +181,7 @@ fn names(outputs: &[AssemblyOutput]) -> Vec<(String, &'static str)> {
 /// The assembly of a design.
 pub(super) struct OfDesign<'a> {
     pub(super) design: &'a Design,
-    pub(super) assembly: &'a Assembly,
-    pub(super) numerics: Numerics,
+    pub(super) cycle: &'a AssembledCycle,
     pub(super) outputs: &'a [AssemblyOutput],
 }
 
@@ -196,7 +195,8 @@ impl Subject for OfDesign<'_> {
     }
 
     fn shot(&self, accuracy: Accuracy) -> Result<Shot, Error> {
-        Ok(of_network(self.assembly, &self.numerics, accuracy, self.outputs)?)
+        let shot = of_network(&self.cycle.assembly, &self.cycle.numerics, accuracy, self.outputs);
+        shot.map_err(|error| self.cycle.placed(error))
     }
 
     fn moved(&self, parameter: &Parameter, x: f64) -> Run {
@@ -207,7 +207,7 @@ impl Subject for OfDesign<'_> {
         match assembled(&moved) {
             Ok(Some(cycle)) => run_of(of_network(
                 &cycle.assembly,
-                &self.numerics,
+                &self.cycle.numerics,
                 Accuracy::USUAL,
                 self.outputs,
             )),
@@ -278,13 +278,9 @@ impl Subject for OfTool<'_> {
     }
 
     fn shot(&self, accuracy: Accuracy) -> Result<Shot, Error> {
-        let tool = self.tool;
-        Ok(of_network(
-            &tool.resolved.assembly,
-            &tool.numerics,
-            accuracy,
-            self.outputs,
-        )?)
+        let (tool, assembly) = (self.tool, &self.tool.resolved.assembly);
+        let shot = of_network(assembly, &tool.numerics, accuracy, self.outputs);
+        Ok(shot.map_err(|error| tool.text.placed(assembly, error))?)
     }
 
     fn moved(&self, parameter: &Parameter, x: f64) -> Run {

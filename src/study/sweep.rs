@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nailnoise_dynamics::{Outcome, network};
+use nailnoise_dynamics::Outcome;
 use serde::Serialize;
 
 use super::draws::common_draws;
@@ -275,7 +275,7 @@ struct Shot {
 /// the design.
 fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
     if let Some(cycle) = inputs::assembly::cycle(design)? {
-        let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
+        let record = cycle.record()?;
         return Ok(Shot {
             performance: Some(Performance::of_assembly(&record, &cycle.assembly, &design.ambient)),
             headline: None,

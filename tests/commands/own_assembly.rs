@@ -174,3 +174,40 @@ fn outputs_of_an_earlier_run_are_removed() {
         assert!(folder.join("out/modes.csv").is_file() && folder.join("out/report.html").is_file());
     }
 }
+
+/// A tool that a force lifts off its work, with a trigger that nothing follows.
+const LIFTED: &str = r#"[cycle]
+assembly = { name = "lifted", schema = 1 }
+gas = { constant = "287.05 J/(kg K)", ratio = 1.4 }
+end = "10 ms"
+gravity = "9.81 m/s2"
+reservoir.atmosphere = { pressure = "101.325 kPa", temperature = "20 degC" }
+trigger.pressed = { starts = true }
+body.tool = { mass = "1 kg", start = { rest_on = "nose" } }
+force.pull = { on = "tool", force = "-50 N" }
+contact.nose = { on = "tool", against = "ground", stop = "below", stiffness = "1 kN/mm", damping_ratio = 0.1 }
+"#;
+
+#[test]
+fn an_error_of_a_run_and_an_unused_block_are_shown_at_their_places() {
+    let folder = folder("own_assembly/places");
+    fs::write(folder.join("lifted.toml"), LIFTED).unwrap();
+    let message = |arguments: &[&str], status: i32| {
+        let output = command(arguments).current_dir(&folder).output().unwrap();
+        let message = messages(&output);
+        assert_eq!(output.status.code(), Some(status), "{message}");
+        message.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let cycle = message(&["cycle", "lifted.toml"], 2);
+    for part in [
+        "lifted.toml, line 10: `cycle.contact.nose`: nothing presses \"nose\" at rest (-40.2 N)",
+        "lifted.toml:10:",
+        "`cycle.trigger.pressed` has no effect: nothing names it",
+        "lifted.toml:7:",
+    ] {
+        assert!(cycle.contains(part), "lacks {part}: {cycle}");
+    }
+    let check = message(&["check", "lifted.toml"], 0);
+    assert!(check.contains("`cycle.trigger.pressed` has no effect"), "{check}");
+    assert!(check.contains("open = { when = \"pressed\" }"), "{check}");
+}

@@ -102,8 +102,8 @@ impl OscillatingPipe {
         alignment * alignment * along + (1.0 - alignment * alignment) * across
     }
 
-    /// R/omega^2 at each frequency.
-    fn over_squares<'a>(&'a self, frequency: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    /// Power radiated per squared acceleration, R/omega^2, at each frequency.
+    fn power_per_squared_acceleration<'a>(&'a self, frequency: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let of = |&hz: &f64| self.resistance_at(hz.max(LOWEST)) / (2.0 * PI * hz.max(LOWEST)).powi(2);
         frequency.iter().map(of)
     }
@@ -157,12 +157,12 @@ impl ModalRadiation for OscillatingPipe {
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let forms = self.over_squares(frequency).zip(accelerations.iter());
+        let forms = self.power_per_squared_acceleration(frequency).zip(accelerations.iter());
         DMatrix::from_iterator(1, frequency.len(), forms.map(|(r, a)| r * a.norm_sqr()))
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let signals = self.over_squares(frequency).zip(accelerations.iter());
+        let signals = self.power_per_squared_acceleration(frequency).zip(accelerations.iter());
         DMatrix::from_iterator(1, frequency.len(), signals.map(|(r, a)| a * r.sqrt()))
     }
 }

@@ -182,3 +182,22 @@ pub enum RunError {
         cause: String,
     },
 }
+
+impl RunError {
+    /// Name of the block at fault, if it is one block: of two that switch each other, the one that can be delayed.
+    pub fn block(&self) -> Option<&str> {
+        match self {
+            Self::Passage { name, .. } => Some(name),
+            Self::SpringLimit { spring, .. } => Some(spring),
+            Self::NotSeated { contact, .. } => Some(contact),
+            Self::NoEquilibrium { body, .. } | Self::Workpiece { body, .. } => Some(body),
+            Self::Collapse { volume, .. } => Some(volume),
+            Self::Switching { gate, .. } => Some(gate),
+            Self::Chatter { block, .. } => Some(block),
+            Self::NoFit { fastener } | Self::TableTooShort { fastener, .. } | Self::BeyondFit { fastener, .. } => {
+                Some(fastener)
+            }
+            Self::Value { .. } | Self::Expression { .. } | Self::Coupling { .. } | Self::Integration { .. } => None,
+        }
+    }
+}

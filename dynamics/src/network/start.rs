@@ -29,18 +29,12 @@ impl Plan {
     /// [`RunError::NotSeated`] if a body is lifted off its contact; [`RunError::NoEquilibrium`] if nothing supports a
     /// body.
     pub(crate) fn start(&self) -> Result<Origin, RunError> {
-        let mut mode = Mode::new(self);
-        let signals = Signals::new(self, &mut mode);
-        let mut y = vec![0.0; self.size()];
-        self.first_guess(&mut y);
         let mut w = Workspace::new(self);
-        for (i, volume) in self.assembly.volumes.iter().enumerate() {
-            w.pressure[i] = volume.pressure;
-        }
-        for stick in self.frictions.iter().filter_map(|f| f.stick.as_ref()) {
-            mode.switches[stick.switch] = friction::IDLE;
-        }
-        self.close_contacts(&y, &mut mode, &mut w, true);
+        let Origin {
+            mut y,
+            mut mode,
+            signals,
+        } = self.guess(&mut w);
         self.settle(&mut y, &mut mode, &mut w)?;
         self.check_seats(&y, &mode)?;
         self.place(&y, &mut w);
@@ -76,6 +70,22 @@ impl Plan {
             }
         }
         Ok(Origin { y, mode, signals })
+    }
+
+    /// The state at t = 0 with the bodies where their contacts close without force.
+    fn guess(&self, w: &mut Workspace) -> Origin {
+        let mut mode = Mode::new(self);
+        let signals = Signals::new(self, &mut mode);
+        let mut y = vec![0.0; self.size()];
+        self.first_guess(&mut y);
+        for (i, volume) in self.assembly.volumes.iter().enumerate() {
+            w.pressure[i] = volume.pressure;
+        }
+        for stick in self.frictions.iter().filter_map(|f| f.stick.as_ref()) {
+            mode.switches[stick.switch] = friction::IDLE;
+        }
+        self.close_contacts(&y, &mut mode, w, true);
+        Origin { y, mode, signals }
     }
 
     /// Computes only positions and velocities.
@@ -200,12 +210,21 @@ impl Plan {
 
     /// Newton's method for the positions of the resting bodies; contacts open and close according to their overlap.
     fn settle(&self, y: &mut [f64], mode: &mut Mode, w: &mut Workspace) -> Result<(), RunError> {
+        match self.equilibrium(y, mode, w, true) {
+            Some(remaining) => Err(self.unsettled(&remaining)),
+            None => Ok(()),
+        }
+    }
+
+    /// Newton's method as in [`settle`](Self::settle), with contacts that `open` or hold both ways. The forces that
+    /// remain, if no equilibrium is found.
+    fn equilibrium(&self, y: &mut [f64], mode: &mut Mode, w: &mut Workspace, open: bool) -> Option<Remaining> {
         let carriers = self.carriers();
         let resting: Vec<usize> = (0..self.bodies.len())
             .filter(|body| carriers[*body] == Some(*body))
             .collect();
         if resting.is_empty() {
-            return Ok(());
+            return None;
         }
         let velocities: Vec<f64> = (0..self.bodies.len()).map(|body| y[2 * body + 1]).collect();
         let n = resting.len();
@@ -216,25 +235,23 @@ impl Plan {
                 }
             }
         };
-        let mut left = f64::INFINITY;
-        let mut worst = 0;
         // Rounding of positions leaves a force on a stiff contact that no step can remove.
         let rounding = 8.0 * f64::EPSILON * self.reach.max(1e-3);
         let mut moved = f64::INFINITY;
         for iteration in 0..ITERATIONS {
             let (force, size) = self.static_forces(y, mode, w, &carriers);
             let largest = |a: &usize, b: &usize| force[*a].abs().total_cmp(&force[*b].abs());
-            worst = resting.iter().copied().max_by(largest).unwrap_or(0);
-            left = force[worst].abs();
+            let worst = resting.iter().copied().max_by(largest).unwrap_or(0);
+            let left = force[worst].abs();
             let before = mode.switches.clone();
-            if iteration > 0 {
+            if open && iteration > 0 {
                 self.close_contacts(y, mode, w, false);
             }
             if (left <= BALANCED * size.max(1e-12) || moved <= rounding) && before == mode.switches {
                 for (body, velocity) in velocities.iter().enumerate() {
                     y[2 * body + 1] = *velocity;
                 }
-                return Ok(());
+                return None;
             }
             let (force, _) = self.static_forces(y, mode, w, &carriers);
             // Stiffnesses by finite differences with steps small compared with any stroke; the forces are smooth there.
@@ -259,51 +276,91 @@ impl Plan {
             }
             moved = change.amax();
         }
-        Err(self.unsettled(worst, left))
+        let (force, _) = self.static_forces(y, mode, w, &carriers);
+        let largest = |a: &usize, b: &usize| force[*a].abs().total_cmp(&force[*b].abs());
+        let body = resting.iter().copied().max_by(largest).unwrap_or(0);
+        Some(Remaining {
+            body,
+            force: force[body].abs(),
+        })
     }
 
-    /// The error for a body without equilibrium.
-    fn unsettled(&self, body: usize, unbalanced: f64) -> RunError {
-        let name = |block| self.assembly.name_of(block).to_owned();
-        match self.assembly.bodies[body].start {
-            Start::RestOn(block) if block.family == Family::Contact => RunError::NotSeated {
-                contact: name(block),
-                body: self.assembly.bodies[body].name.clone(),
-                force: -unbalanced,
-            },
+    /// The error for bodies without equilibrium: one that is lifted off its contact, or else the one with the largest
+    /// force.
+    fn unsettled(&self, remaining: &Remaining) -> RunError {
+        let lifted = self
+            .contacts_of_rest()
+            .filter_map(|(body, contact)| Some((body, contact, self.press(contact)?)))
+            .min_by(|a, b| a.2.total_cmp(&b.2));
+        match lifted {
+            Some((body, contact, press)) if press < 0.0 => self.not_seated(body, contact, press),
             _ => RunError::NoEquilibrium {
-                body: self.assembly.bodies[body].name.clone(),
-                unbalanced,
+                body: self.assembly.bodies[remaining.body].name.clone(),
+                unbalanced: remaining.force,
             },
+        }
+    }
+
+    /// Bodies that rest on a contact, with its index.
+    fn contacts_of_rest(&self) -> impl Iterator<Item = (usize, usize)> {
+        let bodies = self.assembly.bodies.iter().enumerate();
+        bodies.filter_map(|(body, described)| match described.start {
+            Start::RestOn(block) if block.family == Family::Contact => Some((body, block.index)),
+            _ => None,
+        })
+    }
+
+    /// The load that presses a contact on which a body rests, negative if the contact would have to pull \[N\]: its
+    /// force in the equilibrium in which all such contacts hold both ways. None if there is no such equilibrium.
+    fn press(&self, contact: usize) -> Option<f64> {
+        let mut w = Workspace::new(self);
+        let Origin { mut y, mut mode, .. } = self.guess(&mut w);
+        match self.equilibrium(&mut y, &mut mode, &mut w, false) {
+            Some(_) => None,
+            None => {
+                let plan = &self.contacts[contact];
+                Some(plan.push(self.overlap_at(&y, contact), 0.0).force)
+            }
+        }
+    }
+
+    /// Overlap of a contact in a state \[m\].
+    fn overlap_at(&self, y: &[f64], contact: usize) -> f64 {
+        let plan = &self.contacts[contact];
+        let position = |i: usize| if i == self.ground() { 0.0 } else { y[2 * i] };
+        let travel = position(plan.pair.on) - position(plan.pair.against);
+        plan.overlap(travel, 0.0).0
+    }
+
+    fn not_seated(&self, body: usize, contact: usize, force: f64) -> RunError {
+        RunError::NotSeated {
+            contact: self.assembly.contacts[contact].name.clone(),
+            body: self.assembly.bodies[body].name.clone(),
+            force,
         }
     }
 
     /// Rejects bodies that are lifted off the contact they rest on, unless a latch holds them.
     fn check_seats(&self, y: &[f64], mode: &Mode) -> Result<(), RunError> {
-        for (body, described) in self.assembly.bodies.iter().enumerate() {
-            let Start::RestOn(block) = described.start else {
-                continue;
-            };
-            if block.family != Family::Contact {
-                continue;
-            }
-            let contact = &self.contacts[block.index];
+        for (body, index) in self.contacts_of_rest() {
             let held = self
                 .holds
                 .iter()
                 .any(|h| mode.is_on(h.switch) && (h.pair.on == body || h.pair.against == body));
-            if mode.is_on(contact.switch) || held {
+            if mode.is_on(self.contacts[index].switch) || held {
                 continue;
             }
-            let position = |i: usize| if i == self.ground() { 0.0 } else { y[2 * i] };
-            let x = position(contact.pair.on) - position(contact.pair.against);
-            let (u, _) = contact.overlap(x, 0.0);
-            return Err(RunError::NotSeated {
-                contact: self.assembly.name_of(block).to_owned(),
-                body: described.name.clone(),
-                force: contact.push(u, 0.0).force,
-            });
+            let force = self.press(index);
+            let force = force.unwrap_or_else(|| self.contacts[index].push(self.overlap_at(y, index), 0.0).force);
+            return Err(self.not_seated(body, index, force));
         }
         Ok(())
     }
+}
+
+/// The largest force without an equilibrium.
+struct Remaining {
+    body: usize,
+    /// Its magnitude \[N\].
+    force: f64,
 }

@@ -10,4 +10,6 @@ mod inheritance;
 mod keys;
 mod n80cb;
 mod random;
+mod runs;
 mod shipped;
+mod unused;

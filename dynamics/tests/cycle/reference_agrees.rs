@@ -101,3 +101,27 @@ fn a_hand_with_mass_a_magazine_with_friction_and_a_jet_with_thrust() {
     // ESDIRK is 1.2 us off at t14, where the piston has just begun to move.
     agree_within(&p, 0.070, 2.0 * LIMIT);
 }
+
+/// The published forms: a polytropic gas, flows of the trigger's channel that arrive late, contacts that pull, an
+/// elastic nail without an impact.
+#[test]
+fn the_published_variant() {
+    let p = n80cb().published_all();
+    let end = 0.120;
+    let reference = reference::integrate(&p, 1e-7, end);
+    let record = run(&p, Method::Switching, 0.01, end);
+    let events = record.events.to_array().into_iter().zip(reference.events);
+    for (i, (found, expected)) in events.enumerate() {
+        match (found, expected) {
+            (Some(found), Some(expected)) => {
+                assert!(
+                    (found - expected).abs() < 4e-6,
+                    "t{i}: {found} s, the reference {expected} s"
+                );
+            }
+            (None, None) => {}
+            other => panic!("t{i}: {other:?}"),
+        }
+    }
+    assert!(reference.events.iter().flatten().count() > 12, "{:?}", reference.events);
+}

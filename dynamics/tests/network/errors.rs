@@ -89,8 +89,50 @@ fn a_body_that_nothing_presses_is_not_seated() {
         ..spring(SpringLaw::Linear(1e3), None)
     });
     let text = refused(&tool).to_string();
-    assert!(text.starts_with("nothing presses \"nose\" at rest (-"), "{text}");
+    assert!(text.starts_with("nothing presses \"nose\" at rest (-3.0 N)"), "{text}");
     assert!(text.contains("\"tool\" is not seated"), "{text}");
+}
+
+/// The force is the load that is missing on the contact, whether another block catches the body or not, and includes
+/// what the bodies above it carry.
+#[test]
+fn the_force_of_a_body_that_is_not_seated_is_its_load() {
+    let mut tool = empty("pulled", 0.1);
+    tool.gravity = 9.81;
+    tool.bodies.push(Body {
+        gravity: 9.81,
+        ..body("tool", 1.0, rest_on(Family::Contact))
+    });
+    tool.contacts
+        .push(contact("nose", 0, Base::Ground, Stop::Below, 0.0, 1e6, 0.0));
+    tool.forces.push(Force {
+        name: "pull".to_owned(),
+        on: 0,
+        against: Base::Ground,
+        law: ForceLaw::Constant(-50.0),
+    });
+    let force = |assembly: &Assembly| match refused(assembly) {
+        RunError::NotSeated { contact, body, force } => (contact, body, force),
+        other => panic!("{other}"),
+    };
+    let (contact_name, name, load) = force(&tool);
+    assert_eq!((contact_name.as_str(), name.as_str()), ("nose", "tool"));
+    assert!((load - (9.81 - 50.0)).abs() < 1e-6, "{load}");
+    assert!(refused(&tool).to_string().contains("(-40.2 N)"), "{}", refused(&tool));
+    // A weight on top of it adds to its load.
+    tool.bodies.push(Body {
+        gravity: 9.81,
+        start: Start::RestOn(BlockRef {
+            family: Family::Contact,
+            index: 1,
+        }),
+        ..body("weight", 2.0, moving(0.0))
+    });
+    tool.contacts
+        .push(contact("plate", 1, Base::Body(0), Stop::Below, 0.0, 1e6, 0.0));
+    let (contact_name, _, load) = force(&tool);
+    assert_eq!(contact_name, "nose");
+    assert!((load - (3.0 * 9.81 - 50.0)).abs() < 1e-6, "{load}");
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub struct LawOfDrive {
     /// Range of valid impact speeds \[m/s\].
     impacts: [f64; 2],
     /// Dependence on speed that the tests had and the quasi-static law does not contain.
-    rate: Option<FittedRate>,
+    rate: Option<Box<FittedRate>>,
 }
 
 /// Force with its derivatives.
@@ -107,7 +107,7 @@ impl LawOfDrive {
                 .map_or(reference, |[low, high]| 0.5 * (low + high)),
             terms,
             impacts,
-            rate: law.file().rate.clone(),
+            rate: law.file().rate.clone().map(Box::new),
             length: specimen.length,
             scale: specimen.hardness_modulus * specimen.length,
         }
@@ -115,7 +115,7 @@ impl LawOfDrive {
 
     /// Dependence on speed that multiplies the law, if the fit has divided the tests by it.
     pub fn rate(&self) -> Option<&FittedRate> {
-        self.rate.as_ref()
+        self.rate.as_deref()
     }
 
     /// Range of valid impact speeds \[m/s\]: that of the data of `inertia` and `energy`.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_dynamics::network::{Assembly, Effort, EventTime, LedgerEntry, Peak, Record, Strike, simulate};
+use nailnoise_dynamics::network::{Assembly, Effort, EventTime, LedgerEntry, Peak, Record, Strike};
 use nailnoise_quantities::Check;
 use serde::Serialize;
 
@@ -55,7 +55,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     let folder = given_or_named(asked.out, &tool.name, asked.path)?;
     let progress = progress();
     progress.stage("cycle");
-    let record = simulate(&tool.resolved.assembly, &tool.numerics)?;
+    let record = tool.record()?;
     let mut drawn = Vec::new();
     if !asked.json || asked.out.is_some() || asked.figures {
         progress.stage("writing files");

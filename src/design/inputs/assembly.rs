@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use nailnoise_dynamics::network::assembly::Base;
-use nailnoise_dynamics::network::{Assembly, AssemblyText, Numerics, Resolved};
+use nailnoise_dynamics::network::{self, Assembly, AssemblyText, Numerics, Record, Resolved};
 use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 use nailnoise_quantities::Group as _;
 
 use super::cycle::fitted_law;
 use crate::design::loads_housing;
-use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, refused_assembly};
+use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, Warning, refused_assembly};
 use crate::error::Error;
-use crate::stages::cycle::{AssembledCycle, Engine, TOOL, WORKPIECE};
+use crate::stages::cycle::{AssembledCycle, BlockPlaces, Engine, TOOL, WORKPIECE};
 
 /// The design whose mean density gives the volume of a housing without dimensions.
 const REFERENCE: &str = "n80cb.toml";
@@ -30,6 +30,8 @@ pub struct AssembledTool {
     pub numerics: Numerics,
     /// Whether the file has a design as its base, with workpiece, support and microphones.
     pub has_design: bool,
+    /// Warnings about the file for the user.
+    pub warnings: Vec<Warning>,
 }
 
 impl AssembledTool {
@@ -43,14 +45,17 @@ impl AssembledTool {
             return Ok(None);
         };
         let has_design = matches!(loaded, LoadedAssembly::OfDesign(_));
-        let (text, keys, numerics, fit) = match loaded {
-            LoadedAssembly::Alone(text) => (text, BTreeMap::new(), Numerics::default(), None),
+        let (text, keys, numerics, fit, warnings) = match loaded {
+            LoadedAssembly::Alone(text) => {
+                let warnings = text.unused().into_iter().map(Warning::Unused).collect();
+                (*text, BTreeMap::new(), Numerics::default(), None, warnings)
+            }
             LoadedAssembly::OfDesign(design) => {
                 let Some(text) = design.assembly().cloned() else {
                     return Ok(None);
                 };
-                let numerics = numerics(&design);
-                (text, design.assembly_keys()?, numerics, fitted_law(&design)?)
+                let (numerics, warnings) = (numerics(&design), design.warnings().to_vec());
+                (text, design.assembly_keys()?, numerics, fitted_law(&design)?, warnings)
             }
         };
         let mut resolved = text.resolve(&keys).map_err(refused_assembly)?;
@@ -64,7 +69,17 @@ impl AssembledTool {
             resolved,
             numerics,
             has_design,
+            warnings,
         }))
+    }
+
+    /// Computes the record.
+    ///
+    /// # Errors
+    /// [`Error::Network`] with the place of the block at fault.
+    pub fn record(&self) -> Result<Record, Error> {
+        let assembly = &self.resolved.assembly;
+        Ok(network::simulate(assembly, &self.numerics).map_err(|error| self.text.placed(assembly, error))?)
     }
 }
 
@@ -84,6 +99,7 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     Ok(Some(AssembledCycle {
         assembly: resolved.assembly,
         numerics: numerics(design),
+        places: BlockPlaces(design.shared_assembly()),
     }))
 }
 

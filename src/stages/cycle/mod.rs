@@ -8,7 +8,9 @@ mod of_assembly;
 mod of_keys;
 mod shot;
 
-use nailnoise_dynamics::network::{self, Assembly, Numerics};
+use std::sync::Arc;
+
+use nailnoise_dynamics::network::{self, Assembly, AssemblyText, Numerics, Record, RunError};
 use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate};
 use serde::Serialize;
 
@@ -58,6 +60,37 @@ pub struct AssembledCycle {
     pub assembly: Assembly,
     /// Tolerance and sample interval.
     pub numerics: Numerics,
+    /// Where its files describe the blocks, for errors of a run.
+    #[serde(skip)]
+    pub places: BlockPlaces,
+}
+
+impl AssembledCycle {
+    /// Computes the record.
+    ///
+    /// # Errors
+    /// [`Error::Network`] with the place of the block at fault.
+    pub fn record(&self) -> Result<Record, Error> {
+        network::simulate(&self.assembly, &self.numerics).map_err(|error| self.placed(error))
+    }
+
+    /// The error of a run, with the place of the block at fault.
+    pub(crate) fn placed(&self, error: RunError) -> Error {
+        match &self.places.0 {
+            Some(text) => text.placed(&self.assembly, error).into(),
+            None => error.into(),
+        }
+    }
+}
+
+/// The text of an assembly, which does not distinguish cycles: results depend on what it evaluates to.
+#[derive(Debug, Clone, Default)]
+pub struct BlockPlaces(pub(crate) Option<Arc<AssemblyText>>);
+
+impl PartialEq for BlockPlaces {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// The cycle of a design, with its inputs.
@@ -96,7 +129,7 @@ impl Engine {
         match self {
             Self::Keys(cycle) => Ok(ShotRecord::of_keys(&cycle.parameters, cycle.record()?)),
             Self::Assembly(cycle) => {
-                let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
+                let record = cycle.record()?;
                 Ok(ShotRecord::of_assembly(&cycle.assembly, record))
             }
         }

@@ -116,7 +116,11 @@ fn shot_on(engine: &Engine, wood: &mut Wood<'_>) -> Result<(ShotRecord, Coupling
             // An assembly without it is refused before.
             let body = bodies.iter().position(|body| body.name == WORKPIECE);
             let body = body.unwrap_or(bodies.len());
-            let (record, work) = network::simulate_on(&cycle.assembly, &cycle.numerics, body, wood)?;
+            let coupled = network::simulate_on(&cycle.assembly, &cycle.numerics, body, wood);
+            let (record, work) = coupled.map_err(|error| match error {
+                Error::Network(error) => cycle.placed(error.placed.error),
+                other => other,
+            })?;
             Ok((ShotRecord::of_assembly(&cycle.assembly, record), work))
         }
     }

@@ -4,7 +4,7 @@ use nailnoise_documents::{Place, nearest};
 
 /// An error in the text of an assembly.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}, line {}: {path}{fault}", at.file(), at.line(), path = shown(path))]
+#[error("{}, line {}: {path}{fault}{changes}", at.file(), at.line(), path = shown(path))]
 pub struct AssemblyError {
     /// Full name of the field or block; empty for the complete file.
     pub path: String,
@@ -12,6 +12,31 @@ pub struct AssemblyError {
     pub fault: Fault,
     /// Location.
     pub at: Box<Place>,
+    /// What files closer to the design change of what contributes to the fault.
+    pub changes: Box<Changes>,
+}
+
+/// A field, block or key that a file gives in place of that of the assembly which it changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Its full name.
+    pub path: String,
+    /// Location.
+    pub at: Box<Place>,
+}
+
+/// Changes, shown as the end of a message.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Changes(pub Vec<Change>);
+
+impl std::fmt::Display for Changes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (index, Change { path, at }) in self.0.iter().enumerate() {
+            let introduction = if index == 0 { "; changed at" } else { " and at" };
+            write!(f, "{introduction} {}, line {}, by `{path}`", at.file(), at.line())?;
+        }
+        Ok(())
+    }
 }
 
 fn shown(path: &str) -> String {
@@ -141,6 +166,14 @@ pub enum Fault {
         /// Words that exist.
         known: Vec<String>,
     },
+    /// A word of a block stands in place of the event that happens at it.
+    #[error("names \"{word}\", which is no event")]
+    WordForEvent {
+        /// Text as given.
+        word: String,
+        /// Words of the block.
+        known: Vec<String>,
+    },
     /// Two blocks have the same name.
     #[error("has the name of a {other}")]
     DuplicateName {
@@ -250,21 +283,28 @@ pub enum Fault {
     },
     /// Two open seats connect a supply to the atmosphere.
     #[error(
-        "and \"{other}\" are open together from {:.3} to {:.3} mm of \"{body}\": {reservoir} blows into atmosphere",
-        from * 1e3, to * 1e3
+        "and \"{other}\" are open together from {:.3} to {:.3} mm of \"{}\": {reservoir} blows into atmosphere",
+        travels.from * 1e3, travels.to * 1e3, travels.body
     )]
     OpenTogether {
         /// The other passage.
         other: String,
-        /// Body that opens both.
-        body: String,
-        /// Travel at which both begin to be open \[m\].
-        from: f64,
-        /// Travel at which one shuts \[m\].
-        to: f64,
+        /// Where both are open.
+        travels: Box<Travels>,
         /// Reservoir that is emptied.
         reservoir: String,
     },
+}
+
+/// A range of travel of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Travels {
+    /// The body.
+    pub body: String,
+    /// Start \[m\].
+    pub from: f64,
+    /// End \[m\].
+    pub to: f64,
 }
 
 impl Fault {
@@ -295,7 +335,16 @@ impl Fault {
             Self::Formula { help, .. } => help.clone(),
             Self::UnknownName { name, known, .. } => choose(name, known, "there are:"),
             Self::SwitchedOff { name } => format!("give this block the same `if` as \"{name}\""),
+            Self::UnknownWord { known, .. } if known.is_empty() => logged(known),
             Self::UnknownWord { word, known } => choose(word, known, "there are:"),
+            Self::WordForEvent { word, known } => {
+                let near = nearest(known.iter().map(String::as_str), word).or(known.first().map(String::as_str));
+                let example = near.map_or_else(String::new, |near| format!(", as hit = {{ becomes = \"{near}\" }}"));
+                format!(
+                    "it takes the name of an event: add one to [cycle.event]{example}; {}",
+                    logged(known)
+                )
+            }
             Self::DuplicateName { .. } => "rename one of them; channels are named by their block".to_owned(),
             Self::BadName => "use lower-case letters, digits and underscores, a letter first".to_owned(),
             Self::Exclusive { .. } => {
@@ -334,6 +383,14 @@ impl Fault {
             }
             Self::OpenTogether { .. } => "move one `at` so that one seat shuts before the other opens".to_owned(),
         }
+    }
+}
+
+/// The words of a block, as a statement.
+fn logged(known: &[String]) -> String {
+    match known {
+        [] => "this block logs no words; give a condition, as \"piston.travel > 1 mm\"".to_owned(),
+        _ => format!("the words of the block are {}", known.join(", ")),
     }
 }
 

@@ -9,6 +9,7 @@ use nailnoise_quantities::{Kind, Sign, range};
 use super::fault::{AssemblyError, Fault};
 use super::formula::{Term, parse};
 use super::keys::standard;
+use super::named::NamedInTexts;
 use super::node::{Entry, Node, Sources, Spot, Tree, entries};
 
 /// Built-in assemblies: name and text.
@@ -89,6 +90,8 @@ pub struct AssemblyText {
     declared: BTreeMap<String, DeclaredKey>,
     /// Values of keys given in the files.
     pub(super) values: BTreeMap<String, Node>,
+    /// Names in the texts of the files, also of blocks that a nearer file removes.
+    pub(super) named: NamedInTexts,
 }
 
 impl AssemblyText {
@@ -134,6 +137,7 @@ impl AssemblyText {
             }),
             declared: BTreeMap::new(),
             values: BTreeMap::new(),
+            named: NamedInTexts::default(),
         };
         for document in documents {
             text.add(document, 0)?;
@@ -208,6 +212,7 @@ impl AssemblyText {
                 DocumentError::NotText { .. } => document.place(0..0),
             },
             fault: Fault::Syntax(error.to_string()),
+            changes: Box::default(),
         };
         let table = document.table().map_err(syntax)?;
         let mut groups = entries(index, &table);
@@ -228,6 +233,7 @@ impl AssemblyText {
         for group in groups {
             self.add_values(&group.key, group.node);
         }
+        self.sources.merged.push(index);
         Ok(())
     }
 
@@ -293,13 +299,14 @@ impl AssemblyText {
             None if self.name.is_empty() => self.add_named(DEFAULT, None, depth + 1)?,
             None => {}
         }
-        self.sources.merged.push(cycle.spot.document);
+        self.named.add(&cycle);
         self.cycle.merge(cycle);
         Ok(())
     }
 
     /// Drops the blocks of the layers so far.
     fn restart(&mut self) {
+        self.named = NamedInTexts::default();
         if let Tree::Table(fields) = &mut self.cycle.value {
             fields.clear();
         }
@@ -407,6 +414,7 @@ impl AssemblyText {
             }
             return;
         }
+        self.named.add(&node);
         match self.values.get_mut(path) {
             Some(present) => present.merge(node),
             None => {
@@ -444,6 +452,7 @@ impl AssemblyText {
             path: path.to_owned(),
             fault,
             at: self.sources.place(spot),
+            changes: Box::default(),
         }
     }
 }

@@ -6,6 +6,7 @@
 //! (`cycle.volume.gas.dead`).
 
 mod blocks;
+mod changes;
 mod checks;
 mod compile;
 mod fault;
@@ -14,16 +15,20 @@ mod formula;
 mod keys;
 mod layers;
 mod literal;
+mod named;
 mod names;
 mod node;
 mod resolve;
 mod resolver;
 mod table;
+mod unused;
 
 pub use blocks::CYCLE;
-pub use fault::{AssemblyError, Fault};
+pub use changes::{PlacedBlock, PlacedError};
+pub use fault::{AssemblyError, Change, Changes, Fault, Travels};
 pub use keys::{KeyValue, Keys};
 pub use layers::{AssemblyText, BUILT_IN, DeclaredKey, LAYOUT};
 pub use literal::Literal;
 pub use resolve::Resolved;
 pub use table::{FieldSpec, FieldType, TableSpec};
+pub use unused::Unused;

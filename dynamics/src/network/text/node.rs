@@ -217,8 +217,7 @@ pub(super) fn entries(document: usize, table: &DeTable<'_>) -> Vec<Entry> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sources {
     pub(super) documents: Vec<Document>,
-    /// Indices of the documents in the order in which their tables `[cycle]` are merged, the closest to the design
-    /// last.
+    /// Indices of the documents in the order in which they are merged, the closest to the design last.
     pub(super) merged: Vec<usize>,
 }
 

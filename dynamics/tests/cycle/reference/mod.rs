@@ -1,10 +1,12 @@
 //! An independent integration of the cycle: pressures as states, branches on the sign of every gap, fixed-step RK4.
 //!
-//! Written from the published equations without the crate's model code, so that a mistake in either shows.
+//! Written from the published equations without the crate's model code, so that a mistake in either shows. With the
+//! forms as published the gas is polytropic, P' = R T/V (sum alpha mdot) - alpha P V'/V, the nail is elastic, and flow
+//! through the channel to the valve arrives one wave's time after it entered.
 
 use std::f64::consts::PI;
 
-use nailnoise_dynamics::{Parameters, SupportDamping};
+use nailnoise_dynamics::{Form, Parameters, SupportDamping};
 
 const N: usize = 21;
 type Y = [f64; N];
@@ -73,6 +75,11 @@ struct Model {
     released: f64,
     attached: bool,
     left: bool,
+    /// Whether every form is the published one.
+    published: bool,
+    /// Step of the integration, and the flows that entered vent and fill at its ends, with the published forms.
+    step: f64,
+    entered: Vec<[f64; 2]>,
 }
 
 impl Model {
@@ -95,7 +102,11 @@ impl Model {
             a2: disc(p.piston.bore) - disc(p.piston.rod_diameter),
             ah1: disc(v.outer_diameter) - disc(v.inner_diameter),
             ah2: disc(v.outer_diameter) - disc(v.seat_diameter),
-            ah3: disc(v.seat_diameter) - disc(v.inner_diameter),
+            // The published underside bears no pressure.
+            ah3: match p.model.gas {
+                Form::Published => 0.0,
+                Form::Corrected => disc(v.seat_diameter) - disc(v.inner_diameter),
+            },
             ama: f64::from(p.exhaust.holes) * disc(p.exhaust.hole_diameter),
             mn: n.density
                 * (disc(n.diameter) * (n.length - n.head_thickness) + disc(n.head_diameter) * n.head_thickness),
@@ -117,8 +128,43 @@ impl Model {
             },
             attached: false,
             left: false,
+            published: p.model.gas == Form::Published,
+            step: f64::NAN,
+            entered: Vec::new(),
             p: p.clone(),
         }
+    }
+
+    /// Flows into vent and fill from the present pressures, with the published forms.
+    fn entering(&self, t: f64, y: &Y) -> [f64; 2] {
+        let (p, air) = (&self.p, &self.p.ambient);
+        let flow = |pu: f64, pd: f64, area: f64| {
+            if pu > pd {
+                self.orifice(pu, pd, air.temperature, area)
+            } else {
+                0.0
+            }
+        };
+        if t < self.released {
+            [flow(y[11], air.pressure, p.trigger.vent_area * self.phi_out), 0.0]
+        } else {
+            [0.0, flow(y[12], y[11], p.trigger.fill_area * self.phi_in)]
+        }
+    }
+
+    /// Flows that entered vent and fill at a past time, linear between the ends of steps.
+    fn arriving(&self, t: f64) -> [f64; 2] {
+        let place = t / self.step;
+        let (before, share) = (place.floor() as usize, place.fract());
+        let node = |at: usize| {
+            self.entered
+                .get(at)
+                .or(self.entered.last())
+                .copied()
+                .unwrap_or([0.0; 2])
+        };
+        let (a, b) = (node(before), node(before + 1));
+        std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
     }
 
     fn nozzle(&self, r: f64) -> f64 {
@@ -196,6 +242,9 @@ impl Model {
     fn envelope(&self, z: f64) -> f64 {
         let (n, w) = (&self.p.nail, &self.p.wood);
         let (ln, hm) = (n.length, w.hardness_modulus);
+        if self.published && z > ln {
+            return w.head_stiffness_scale * hm * (z - ln);
+        }
         let x = z.min(ln) / ln;
         let root = 0.085 + 2.038 * x - 12.95 * x.powi(2) + 46.49 * x.powi(3) - 94.97 * x.powi(4) + 110.18 * x.powi(5)
             - 67.56 * x.powi(6)
@@ -214,7 +263,7 @@ impl Model {
             c.below_piston + self.a2 * (self.p.piston.stroke - travel),
             c.return_volume,
             c.above_valve + self.ah1 * valve,
-            c.supply_volume + self.ah2 * s,
+            c.supply_volume + if self.published { 0.0 } else { self.ah2 * s },
         ]
     }
 
@@ -227,19 +276,24 @@ impl Model {
         let vol = self.volumes(y);
         let pr: [f64; 5] = std::array::from_fn(|i| y[8 + i]);
         let mass: [f64; 5] = std::array::from_fn(|i| y[13 + i]);
-        let temp: [f64; 5] = std::array::from_fn(|i| pr[i] * vol[i] / (mass[i] * air.gas_constant));
         let (pa, ta) = (air.pressure, air.temperature);
+        let temp: [f64; 5] = std::array::from_fn(|i| match self.published {
+            true => ta,
+            false => pr[i] * vol[i] / (mass[i] * air.gas_constant),
+        });
+        // A published contact pulls before it opens.
+        let least = if self.published { f64::NEG_INFINITY } else { 0.0 };
 
         let fgp = pr[0] * self.a1 - pr[1] * self.a2 - pa * self.ar;
         let fgh = pr[3] * self.ah1 - pr[4] * self.ah2 - pr[0] * self.ah3;
         let l = p.piston.stroke;
         let fb = if travel >= l {
-            (k.bumper_stiffness * (travel - l) + k.bumper_damping * rate).max(0.0)
+            (k.bumper_stiffness * (travel - l) + k.bumper_damping * rate).max(least)
         } else {
             0.0
         };
         let fst = if travel <= 0.0 {
-            (k.stopper_stiffness * travel + k.stopper_damping * rate).min(0.0)
+            (k.stopper_stiffness * travel + k.stopper_damping * rate).min(-least)
         } else {
             0.0
         };
@@ -273,7 +327,10 @@ impl Model {
         };
         let z = yp - yw - p.nail.tip_gap(&p.piston);
         let zmax = y[18];
-        let fpen = if z <= 0.0 && zmax <= 0.0 {
+        let fpen = if self.published {
+            // Elastic until the driver turns.
+            if z > 0.0 && !self.left { self.envelope(z) } else { 0.0 }
+        } else if z <= 0.0 && zmax <= 0.0 {
             0.0
         } else if z >= zmax {
             self.envelope(z)
@@ -295,7 +352,7 @@ impl Model {
         let gas = |i: usize| (pr[i], temp[i]);
         let seat = |y: f64, th: f64, d: f64, sign: f64| PI * y * th.sin() * (d - sign * y * th.sin() * th.cos());
         let opening = s - v.intake_lap;
-        let (mi, hi) = if opening > 0.0 {
+        let (mi, hi) = if opening > 0.0 && !(self.published && pr[0] >= pr[4]) {
             let r = (pr[0].min(pr[4]) / pr[0].max(pr[4])).clamp(0.390, 0.913);
             let cf = 1.1 - 0.71 * r + 0.49 * r * r - 0.14 * r.powi(3);
             self.both(gas(4), gas(0), cf * seat(opening, v.intake_angle, p.piston.bore, 1.0))
@@ -315,6 +372,8 @@ impl Model {
                 let jet = 2.0 * gamma / (gamma - 1.0) * (r.powf(1.0 / gamma) - r) + r;
                 let thrust = p.exhaust.thrust_share * cd * self.ama * (pm * jet - pa);
                 (m, m * cp * temp[0], thrust)
+            } else if self.published {
+                (0.0, 0.0, 0.0)
             } else {
                 let (flow, _) = self.series(self.ama, a, pa, pr[0]);
                 let m = cd * self.k * flow / ta.sqrt();
@@ -341,7 +400,7 @@ impl Model {
         } else {
             (0.0, 0.0)
         };
-        let (ms, hs) = if p.supply.pressure > pr[4] {
+        let (ms, hs) = if p.supply.pressure > pr[4] && !self.published {
             self.both((p.supply.pressure, ta), gas(4), cd * p.supply.hose_area)
         } else {
             (0.0, 0.0)
@@ -361,7 +420,7 @@ impl Model {
             -self.a2 * rate,
             0.0,
             self.ah1 * valve_rate,
-            -self.ah2 * valve_rate,
+            if self.published { 0.0 } else { -self.ah2 * valve_rate },
         ];
         let gamma = air.heat_capacity_ratio;
         let mut d = [0.0; N];
@@ -384,6 +443,27 @@ impl Model {
         d[5] = (hand + thrust + inner - fnose - fe) / p.tool.mass + g;
         d[6] = vw;
         d[7] = (fpen + fnose + fe - fsup) / self.mw + g;
+        if self.published {
+            let m = &p.model;
+            let [vented, filled] = self.arriving(t - self.tau);
+            let vented = if t >= self.tau && !filling { vented } else { 0.0 };
+            let filled = if filling { filled } else { 0.0 };
+            // What leaves the supply does so with the trigger and without the attenuation of the channel.
+            let lost = self.entering(t, y)[1] / self.phi_in;
+            let (inner, outer) = (m.polytropic_inflow, m.polytropic_outflow);
+            let flow = [
+                inner * (mi - mc) - outer * mx,
+                -inner * mf,
+                inner * (mc + mf),
+                inner * (filled - vented),
+                -inner * (mi + lost),
+            ];
+            for i in 0..5 {
+                d[8 + i] = (air.gas_constant * ta * flow[i] - m.polytropic * pr[i] * dv[i]) / vol[i];
+            }
+            d[18] = (vp - vw).max(0.0) * f64::from(u8::from(z >= zmax && z > 0.0));
+            return d;
+        }
         for i in 0..5 {
             let heat = c.wall_heat_transfer * wall[i] * (ta - temp[i]);
             d[8 + i] = ((gamma - 1.0) * (enthalpy[i] + heat) - gamma * pr[i] * dv[i]) / vol[i];
@@ -421,8 +501,10 @@ impl Model {
 /// A shot from RK4 with step `h` up to `end`.
 pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
     let mut m = Model::new(p);
+    m.step = h;
     let mut y = m.start();
     let mut t = 0.0;
+    let mut steps = 0u32;
     let mut found: [Option<f64>; LEVELS] = [None; LEVELS];
     let (mut rest, mut still) = (Speed::default(), Speed::default());
     let mut bumper = None;
@@ -461,6 +543,10 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
         ]
     };
     while t < end {
+        if m.published {
+            let entered = m.entering(t, &y);
+            m.entered.push(entered);
+        }
         let add = |a: &Y, b: &Y, w: f64| -> Y { std::array::from_fn(|i| a[i] + w * b[i]) };
         let k1 = m.f(t, &y);
         let k2 = m.f(t + 0.5 * h, &add(&y, &k1, 0.5 * h));
@@ -501,7 +587,9 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
             };
         }
         if !m.attached && !m.left && next[0] - next[4] >= p.nail.head_gap(&p.piston) {
-            next[1] *= p.piston.mass / (p.piston.mass + m.mn);
+            if !m.published {
+                next[1] *= p.piston.mass / (p.piston.mass + m.mn);
+            }
             m.attached = true;
         } else if m.attached && next[1] <= 0.0 {
             m.attached = false;
@@ -510,7 +598,9 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
         if let Some(t12) = found[10] {
             m.released = m.released.min(t12);
         }
-        t += h;
+        steps += 1;
+        // The published flows are found by the number of their step.
+        t = if m.published { f64::from(steps) * h } else { t + h };
         y = next;
     }
     let [t1, t2, t3, t4, t5, t6, t7, t8, t9, t10, t12, t13, t15, t16, t17, full] = found;

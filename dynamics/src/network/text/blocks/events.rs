@@ -12,7 +12,7 @@ use crate::network::assembly::{
 use crate::network::text::compile::{Compiled, Scalar};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
-use crate::network::text::names::words;
+use crate::network::text::names::{Block, words};
 use crate::network::text::node::{Node, Tree};
 use crate::network::text::resolver::{Resolver, StateScope, kind_of};
 
@@ -214,9 +214,29 @@ fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<
 
 /// All words of the blocks that a trigger may follow, for messages.
 fn all_words(resolver: &Resolver<'_>, passages: &[Passage]) -> Vec<String> {
+    let is_followed = |block: &Block<'_>| block.block.family != Family::Trigger;
+    words_of(resolver, passages, &is_followed)
+}
+
+/// The words of the block with which a text begins, if the text is words and not an expression.
+fn words_of_named(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Vec<String>> {
+    let (name, action) = text.trim().split_once(char::is_whitespace)?;
+    let is_words = action.chars().all(|c| c.is_alphabetic() || c == '_' || c == ' ');
+    // `and` and `or` combine conditions.
+    let is_condition = action
+        .split_whitespace()
+        .any(|word| matches!(word, "and" | "or" | "not"));
+    let name = name.split_once('.').map_or(name, |(name, _)| name);
+    let found = resolver.names.find(name).filter(|_| is_words && !is_condition)?;
+    Some(words_of(resolver, passages, &|block: &Block<'_>| {
+        block.block == found.block
+    }))
+}
+
+/// All words of some blocks.
+fn words_of(resolver: &Resolver<'_>, passages: &[Passage], is_wanted: &dyn Fn(&Block<'_>) -> bool) -> Vec<String> {
     let mut all = Vec::new();
-    let blocks = resolver.names.blocks.iter();
-    for block in blocks.filter(|block| block.block.family != Family::Trigger) {
+    for block in resolver.names.blocks.iter().filter(|block| is_wanted(block)) {
         for (action, _) in words(block.block.family) {
             let mut candidates = vec![format!("{} {action}", block.name)];
             if let (Family::Passage, Some(passage)) = (block.block.family, passages.get(block.block.index)) {
@@ -356,10 +376,24 @@ pub(super) fn events(
             let of = |node: &Node| condition(fields, &fields.full(key), node, &dimensions);
             fields.get(key).map(of).transpose()
         };
-        let logged = fields
-            .get("becomes")
-            .and_then(Node::text)
-            .and_then(|text| word(resolver, passages, text));
+        let becomes = fields.get("becomes").and_then(Node::text);
+        let logged = becomes.and_then(|text| word(resolver, passages, text));
+        if let (None, Some(text)) = (logged, becomes)
+            && let Some(known) = words_of_named(resolver, passages, text)
+        {
+            let word = text.to_owned();
+            return Err(fields.error("becomes", Fault::UnknownWord { word, known }));
+        }
+        let other = |key: &str| {
+            let text = fields.get(key).and_then(Node::text).unwrap_or_default();
+            match words_of_named(resolver, passages, text) {
+                Some(known) => {
+                    let word = text.to_owned();
+                    Err(fields.error(key, Fault::WordForEvent { word, known }))
+                }
+                None => event_index(fields, key, resolver),
+            }
+        };
         let edge = if let Some(word) = logged {
             Edge::Logged(word)
         } else if let Some(becomes) = condition("becomes")? {
@@ -373,10 +407,10 @@ pub(super) fn events(
             name: (*name).to_owned(),
             description: fields.text("text")?.unwrap_or_default().to_owned(),
             edge,
-            after: event_index(fields, "after", resolver)?,
+            after: other("after")?,
             delay: fields.or("delay", 0.0)?,
-            before: event_index(fields, "before", resolver)?,
-            until: event_index(fields, "until", resolver)?,
+            before: other("before")?,
+            until: other("until")?,
             condition: condition("where")?,
             lasting: fields.or("for", 0.0)?,
             pick: fields.word("pick", &PICKS)?.unwrap_or(Pick::First),

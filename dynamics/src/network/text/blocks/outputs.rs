@@ -46,10 +46,10 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
                 Opens::Constant { area } => Some(area),
                 _ => None,
             });
-        let area = match (fields.quantity("diameter")?, fields.quantity("area")?) {
-            (None, None) => constant.ok_or_else(|| fields.missing("area"))?,
-            (Some(diameter), None) => count * (0.25 * std::f64::consts::PI * diameter * diameter),
-            (None, Some(area)) => area,
+        let (field, area) = match (fields.quantity("diameter")?, fields.quantity("area")?) {
+            (None, None) => ("area", constant.ok_or_else(|| fields.missing("area"))?),
+            (Some(diameter), None) => ("diameter", count * (0.25 * std::f64::consts::PI * diameter * diameter)),
+            (None, Some(area)) => ("area", area),
             (Some(_), Some(_)) => {
                 let fields_found = ["area", "diameter"].map(str::to_owned).to_vec();
                 return Err(fields.own_error(Fault::Exclusive { fields: fields_found }));
@@ -58,11 +58,6 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
         if let Some(restriction) = constant
             && (area - restriction).abs() > AREA_TOLERANCE * restriction
         {
-            let field = if fields.quantity("area")?.is_some() {
-                "area"
-            } else {
-                "diameter"
-            };
             return Err(fields.error(
                 field,
                 Fault::OpeningArea {

@@ -1,9 +1,10 @@
 //! Checks that passages to the atmosphere make noise, and that no supply empties through them.
 
-use super::place::{error, stop};
+use super::place::{error, error_of, stop};
 use crate::network::assembly::{Assembly, Base, Opens, Passage, Push, Space, Stop};
 use crate::network::text::blocks::{is_atmosphere, reaches_atmosphere};
-use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::changes::Part;
+use crate::network::text::fault::{AssemblyError, Fault, Travels};
 use crate::network::text::resolver::Resolver;
 
 /// Checks that every passage to the atmosphere has an opening or is marked as silent.
@@ -41,17 +42,16 @@ pub(super) fn shut_in_turn(resolver: &Resolver<'_>, assembly: &Assembly) -> Resu
             if from < to {
                 let fault = Fault::OpenTogether {
                     other: assembly.passages[second.passage].name.clone(),
-                    body: assembly.bodies[first.body].name.clone(),
-                    from,
-                    to,
+                    travels: Box::new(Travels {
+                        body: assembly.bodies[first.body].name.clone(),
+                        from,
+                        to,
+                    }),
                     reservoir: assembly.reservoirs[reservoir].name.clone(),
                 };
-                return Err(error(
-                    resolver,
-                    "passage",
-                    &assembly.passages[first.passage].name,
-                    fault,
-                ));
+                let name = &assembly.passages[first.passage].name;
+                let parts = Part::of_passages(assembly, [first.passage, second.passage]);
+                return Err(error_of(resolver, "passage", name, fault, &parts));
             }
         }
     }

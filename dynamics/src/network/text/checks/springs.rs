@@ -1,7 +1,8 @@
 //! Compression of springs at their stops against the limit of their law.
 
-use super::place::error;
+use super::place::error_of;
 use crate::network::assembly::Assembly;
+use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
@@ -10,7 +11,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Checks that no stop lets a spring be compressed beyond its limit.
 pub(super) fn check_range(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
-    for spring in &assembly.springs {
+    for (index, spring) in assembly.springs.iter().enumerate() {
         let Some(limit) = spring.limit else { continue };
         let stops = assembly
             .contacts
@@ -24,7 +25,8 @@ pub(super) fn check_range(resolver: &Resolver<'_>, assembly: &Assembly) -> Resul
                     compression,
                     limit,
                 };
-                return Err(error(resolver, "spring", &spring.name, fault));
+                let parts = Part::of_spring(assembly, index);
+                return Err(error_of(resolver, "spring", &spring.name, fault, &parts));
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Checks that volumes can change and do not collapse.
 
-use super::place::{error, stop};
+use super::place::{error, error_of, stop};
 use crate::network::assembly::{Assembly, Face, Push, Space, Start, Stop};
+use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
@@ -45,7 +46,8 @@ pub(super) fn do_not_collapse(resolver: &Resolver<'_>, assembly: &Assembly) -> R
                 body: body.to_owned(),
                 travel,
             };
-            return Err(error(resolver, "volume", &volume.name, fault));
+            let parts = Part::of_volume(assembly, index);
+            return Err(error_of(resolver, "volume", &volume.name, fault, &parts));
         }
     }
     Ok(())
