@@ -94,6 +94,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             && let Some(design) = arguments.input.whole_design()?
         {
             inputs::sensors::transducers(&design)?;
+            inputs::assembly::cycle(&design)?;
         }
         return match &arguments.drawing {
             Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),

@@ -174,3 +174,53 @@ fn outputs_of_an_earlier_run_are_removed() {
         assert!(folder.join("out/modes.csv").is_file() && folder.join("out/report.html").is_file());
     }
 }
+
+/// Rows of a comparison of the tacker with itself after a change.
+fn differences(name: &str, more: &str) -> Vec<(String, Vec<Value>)> {
+    let (folder, design) = made(name);
+    let other = tacker(&folder, "changed", more);
+    let compared = printed(&folder, &["compare", &design, &other]);
+    assert_eq!(compared["without_assembly"], serde_json::json!([]));
+    let rows = compared["inputs"].as_array().unwrap().iter();
+    rows.map(|row| {
+        (
+            row["key"].as_str().unwrap().to_owned(),
+            row["values"].as_array().unwrap().clone(),
+        )
+    })
+    .collect()
+}
+
+/// A switch that is not given is off.
+#[test]
+fn a_comparison_names_a_switch_of_a_block() {
+    let on = "[cycle.passage.exhaust]\none_way = true\n";
+    let path = "cycle.passage.exhaust.one_way".to_owned();
+    assert_eq!(
+        differences("switched", on),
+        [(path, vec!["false".into(), "true".into()])]
+    );
+    assert_eq!(differences("not-switched", &on.replace("true", "false")), []);
+}
+
+#[test]
+fn a_comparison_names_new_blocks_once_with_their_fields() {
+    let more = "[cycle.volume.side]\ndead = \"20 cm3\"\npressure = \"=ambient.pressure\"\n\
+                [cycle.passage.neck]\nbetween = [\"side\", \"vessel\"]\narea = \"2 mm2\"\none_way = true\n";
+    let rows = differences("chamber", more);
+    let names: Vec<&str> = rows.iter().map(|row| row.0.as_str()).collect();
+    assert_eq!(names, ["cycle.volume.side", "cycle.passage.neck"]);
+    assert_eq!(rows[0].1, [Value::Null, "dead 0.00002 m3, pressure =ambient.pressure".into()]);
+    let neck = rows[1].1[1].as_str().unwrap();
+    for field in ["between.0 side", "between.1 vessel", "area 0.000002 m2", "one_way true"] {
+        assert!(neck.contains(field), "{neck}");
+    }
+}
+
+#[test]
+fn a_comparison_names_a_removed_block_once() {
+    let rows = differences("removed", "[cycle.friction]\nrings = false\n");
+    assert_eq!(rows.len(), 1, "{rows:?}");
+    assert_eq!(rows[0].0, "cycle.friction.rings");
+    assert!(rows[0].1[0].is_string() && rows[0].1[1].is_null(), "{rows:?}");
+}

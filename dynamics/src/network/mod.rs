@@ -56,7 +56,7 @@ pub use record::{
 };
 pub use resistance::FastenerResistance;
 pub use text::{
-    AssemblyError, AssemblyText, BUILT_IN, CYCLE, DeclaredKey, Fault, FieldSpec, FieldType, KeyValue, Keys, LAYOUT,
+    AssemblyError, AssemblyText, BUILT_IN, CYCLE, DeclaredKey, Fault, FieldSpec, FieldText, FieldType, KeyValue, Keys, LAYOUT,
     Literal, Resolved, TableSpec,
 };
 

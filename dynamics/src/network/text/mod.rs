@@ -25,5 +25,6 @@ pub use fault::{AssemblyError, Fault};
 pub use keys::{KeyValue, Keys};
 pub use layers::{AssemblyText, BUILT_IN, DeclaredKey, LAYOUT};
 pub use literal::Literal;
+pub use node::FieldText;
 pub use resolve::Resolved;
 pub use table::{FieldSpec, FieldType, TableSpec};
