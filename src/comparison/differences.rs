@@ -97,9 +97,15 @@ impl<'a> Subject<'a> {
 pub(super) fn inputs(results: &[Finished]) -> Vec<InputRow> {
     let comparable = without_assembly(results).is_empty();
     let assembled = comparable && results.iter().any(|result| !result.assembly.is_empty());
-    let keyed = AssemblyText::built_in(OF_KEYS).filter(|_| assembled).and_then(Result::ok);
+    let keyed = AssemblyText::built_in(OF_KEYS)
+        .filter(|_| assembled)
+        .and_then(Result::ok);
     let keyed = keyed.map(|text| text.fields()).unwrap_or_default();
-    let of_key = |path: &str| results.iter().any(|result| result.inputs.iter().any(|own| own.key == path));
+    let of_key = |path: &str| {
+        results
+            .iter()
+            .any(|result| result.inputs.iter().any(|own| own.key == path))
+    };
     let subjects: Vec<Subject<'_>> = results.iter().map(|result| Subject::new(result, &keyed)).collect();
     let mut names = in_order(results, |r| r.inputs.iter().map(|input| input.key.clone()).collect());
     if comparable {

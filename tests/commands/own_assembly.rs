@@ -210,7 +210,10 @@ fn a_comparison_names_new_blocks_once_with_their_fields() {
     let rows = differences("chamber", more);
     let names: Vec<&str> = rows.iter().map(|row| row.0.as_str()).collect();
     assert_eq!(names, ["cycle.volume.side", "cycle.passage.neck"]);
-    assert_eq!(rows[0].1, [Value::Null, "dead 0.00002 m3, pressure =ambient.pressure".into()]);
+    assert_eq!(
+        rows[0].1,
+        [Value::Null, "dead 0.00002 m3, pressure =ambient.pressure".into()]
+    );
     let neck = rows[1].1[1].as_str().unwrap();
     for field in ["between.0 side", "between.1 vessel", "area 0.000002 m2", "one_way true"] {
         assert!(neck.contains(field), "{neck}");

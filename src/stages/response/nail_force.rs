@@ -150,12 +150,10 @@ impl Resistance {
                 curve: Curve::Nail(parameters.penetration_envelope()),
                 length: parameters.nail.length,
             },
-            FastenerLaw::Fastener(fastener) => {
-                Self {
-                    curve: Curve::Fastener(FastenerResistance::of(fastener), driven.friction_share),
-                    length: fastener.length,
-                }
-            }
+            FastenerLaw::Fastener(fastener) => Self {
+                curve: Curve::Fastener(FastenerResistance::of(fastener), driven.friction_share),
+                length: fastener.length,
+            },
         }
     }
 
