@@ -87,11 +87,7 @@ pub struct MarkerEvents(BTreeMap<String, String>);
 impl Default for MarkerEvents {
     fn default() -> Self {
         let named = MARKERS.iter().filter_map(|own| Some((own.name, own.event?)));
-        Self(
-            named
-                .map(|(name, event)| (name.to_owned(), event.to_owned()))
-                .collect(),
-        )
+        Self(named.map(|(name, event)| (name.to_owned(), event.to_owned())).collect())
     }
 }
 

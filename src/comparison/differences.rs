@@ -8,6 +8,7 @@ use nailnoise_quantities::rounded;
 use serde_json::Value;
 
 use super::{Finished, InputRow, in_order};
+use crate::wording::readable_at;
 
 /// Significant digits of the numbers in the text of a block.
 const DIGITS: usize = 6;
@@ -80,7 +81,10 @@ impl<'a> Subject<'a> {
         }
         for input in self.result.inputs.iter().filter(|input| in_block(&input.key, block)) {
             let value = match input.value.as_f64() {
-                Some(number) => format!("{} {}", rounded(number, DIGITS, 1e7), input.unit),
+                Some(number) => {
+                    let (unit, factor) = readable_at(&input.unit, number);
+                    format!("{} {unit}", rounded(factor * number, DIGITS, 1e7))
+                }
                 None => input.value.to_string(),
             };
             fields.insert(&input.key[block.len() + 1..], value.trim_end().to_owned());

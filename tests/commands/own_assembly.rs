@@ -212,18 +212,18 @@ fn a_comparison_names_new_blocks_once_with_their_fields() {
     assert_eq!(names, ["cycle.volume.side", "cycle.passage.neck"]);
     assert_eq!(
         rows[0].1,
-        [Value::Null, "dead 0.00002 m3, pressure =ambient.pressure".into()]
+        [Value::Null, "dead 20 cm3, pressure =ambient.pressure".into()]
     );
     let neck = rows[1].1[1].as_str().unwrap();
-    for field in ["between.0 side", "between.1 vessel", "area 0.000002 m2", "one_way true"] {
+    for field in ["between.0 side", "between.1 vessel", "area 2 mm2", "one_way true"] {
         assert!(neck.contains(field), "{neck}");
     }
 }
 
 #[test]
 fn a_comparison_names_a_removed_block_once() {
-    let rows = differences("removed", "[cycle.friction]\nrings = false\n");
+    let rows = differences("removed", "[cycle.friction]\nseal = false\n");
     assert_eq!(rows.len(), 1, "{rows:?}");
-    assert_eq!(rows[0].0, "cycle.friction.rings");
+    assert_eq!(rows[0].0, "cycle.friction.seal");
     assert!(rows[0].1[0].is_string() && rows[0].1[1].is_null(), "{rows:?}");
 }

@@ -56,8 +56,8 @@ pub use record::{
 };
 pub use resistance::FastenerResistance;
 pub use text::{
-    AssemblyError, AssemblyText, BUILT_IN, CYCLE, DeclaredKey, Fault, FieldSpec, FieldText, FieldType, KeyValue, Keys, LAYOUT,
-    Literal, Resolved, TableSpec,
+    AssemblyError, AssemblyText, BUILT_IN, CYCLE, DeclaredKey, Fault, FieldSpec, FieldText, FieldType, KeyValue, Keys,
+    LAYOUT, Literal, Resolved, TableSpec,
 };
 
 /// Integrates an assembly from the trigger at t = 0 to its end.

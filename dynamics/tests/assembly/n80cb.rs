@@ -1,10 +1,10 @@
 //! The built-in assembly of the N80CB has the constants of the equations that it describes.
 
-use nailnoise_dynamics::network::{AssemblyText, FastenerResistance};
 use nailnoise_dynamics::network::assembly::{
     Action, Assembly, Base, Coefficient, ContactDamping, Edge, FastenerLaw, ForceLaw, Opens, OutcomeTest, Pick, Space,
     SpringLaw, Start,
 };
+use nailnoise_dynamics::network::{AssemblyText, FastenerResistance};
 use nailnoise_dynamics::{Geometry, Parameters};
 use nailnoise_penetration::{HeadLaw, RateLaw, ResistanceLaw};
 
@@ -372,7 +372,14 @@ fn the_parts_of_the_nails_resistance_follow_its_speed() {
         }
         own
     };
-    for depth in [1e-4, 0.01, 0.03, 0.5 * p.nail.length, p.nail.length, p.nail.length + 1e-3] {
+    for depth in [
+        1e-4,
+        0.01,
+        0.03,
+        0.5 * p.nail.length,
+        p.nail.length,
+        p.nail.length + 1e-3,
+    ] {
         let [rest, fast] = [0.0, 20.0].map(|speed| parts(depth, speed));
         assert!(fast[0] < rest[0] && fast[1] > rest[1], "{rest:?} {fast:?}");
     }
