@@ -3,12 +3,13 @@
 use nailnoise::chain::{self, Chain, Options};
 use nailnoise::design::Value;
 use nailnoise::graph::Graph;
+use nailnoise::measurement::markers::MarkerEvents;
 use nailnoise::output::columns_of;
 use nailnoise::run::Run;
 use nailnoise::stages::cycle::ShotRecord;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise::study::{Variable, variables};
-use nailnoise::{Design, Error};
+use nailnoise::{Design, Error, virtual_test};
 
 use crate::common::{ROOT, design, folder, run, run_with_chain, small};
 
@@ -381,6 +382,23 @@ fn an_assembly_of_the_n80cb_has_its_columns() {
         let gap = (gap.sum::<f64>() / column.values.len() as f64).sqrt();
         assert!(gap <= 5e-3 * peak, "{}: {gap} of {peak}", column.name);
     }
+}
+
+/// A stapler has no event t7; `[cycle.marker]` names its own, and a name that it does not have is refused.
+#[test]
+fn markers_of_a_measurement_have_the_events_of_the_assembly() {
+    let events = |cycle: &str| {
+        let design = small(&format!("[cycle]\nassembly = {cycle}"));
+        virtual_test::arrangement(&design).map(|own| own.events)
+    };
+    assert_eq!(events("\"n80cb\"").unwrap(), MarkerEvents::default());
+    assert_eq!(events("\"stapler\"").unwrap().iter().count(), 0);
+    let own = events("\"stapler\"\n[cycle.marker]\nt4 = \"strike\"").unwrap();
+    assert_eq!(own.iter().collect::<Vec<_>>(), [("t4", "strike")]);
+    let wrong = "base = \"small.toml\"\n[cycle]\nassembly = \"stapler\"\n[cycle.marker]\nt4 = \"t7\"\n";
+    let beside = std::path::Path::new(ROOT).join("tests/data/over.toml");
+    let refused = Design::parse(wrong, beside).unwrap_err().to_string();
+    assert!(refused.contains("cycle.marker.t4"), "{refused}");
 }
 
 #[test]
