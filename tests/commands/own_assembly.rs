@@ -178,8 +178,9 @@ fn outputs_of_an_earlier_run_are_removed() {
 /// Rows of a comparison of the tacker with itself after a change.
 fn differences(name: &str, more: &str) -> Vec<(String, Vec<Value>)> {
     let (folder, design) = made(name);
-    let other = tacker(&folder, "changed", more);
-    let compared = printed(&folder, &["compare", &design, &other]);
+    let other = folder.join("changed.toml");
+    fs::write(&other, format!("base = \"tacker.toml\"\n{more}")).unwrap();
+    let compared = printed(&folder, &["compare", &design, other.to_str().unwrap()]);
     assert_eq!(compared["without_assembly"], serde_json::json!([]));
     let rows = compared["inputs"].as_array().unwrap().iter();
     rows.map(|row| {
