@@ -161,6 +161,14 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
+    /// What to say if no input differs.
+    pub(crate) fn no_difference(&self) -> &'static str {
+        match self.without_assembly.is_empty() {
+            true => "none: the designs have the same values",
+            false => "none among the numbers; blocks, formulas and switches are not compared",
+        }
+    }
+
     /// Warnings to show before the levels: different frequency ranges, different outcomes, and how each shot ended that
     /// does not drive its nail.
     pub fn alarms(&self) -> Vec<String> {
