@@ -19,7 +19,7 @@ const OF_JET: [(&str, JetQuantity); 3] = [
     ("temperature", JetQuantity::Temperature),
 ];
 
-/// The columns that an assembly names. One of an opening that a later file removes goes with it.
+/// The columns that an assembly names. Those of a base go with the blocks and openings that a later file removes.
 pub(super) fn columns(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<NamedColumn>, AssemblyError> {
     let Some(node) = resolver.text.cycle.get("columns") else {
         return Ok(Vec::new());
@@ -57,7 +57,13 @@ pub(super) fn columns(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<V
                 continue;
             }
         }
-        let scalar = expression(&fields, &entry.key, &dimensions, true)?.ok_or_else(|| fields.missing(&entry.key))?;
+        let sources = &resolver.text.sources;
+        let of_base = sources.rank(&entry.spot) < sources.merged.len();
+        let scalar = match expression(&fields, &entry.key, &dimensions, true) {
+            Ok(scalar) => scalar.ok_or_else(|| fields.missing(&entry.key))?,
+            Err(_) if of_base => continue,
+            Err(error) => return Err(error),
+        };
         columns.push(NamedColumn {
             name,
             channel: channel(resolver, text),
