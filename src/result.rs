@@ -49,6 +49,10 @@ pub struct RunResult {
     pub design: DesignId,
     /// Every value of the design with its origin.
     pub inputs: Vec<Input>,
+    /// Fields of the assembly that are no inputs by full name: formulas, names, switches and words, as the files give
+    /// them. Absent for a design without an assembly.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub assembly: BTreeMap<String, String>,
     /// The sources, loudest first.
     pub ranking: Vec<RankedSource>,
     /// All sources together.

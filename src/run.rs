@@ -289,6 +289,7 @@ impl Chain {
             schema: SCHEMA,
             design: DesignId::from(design),
             inputs: design.entries().into_iter().map(Into::into).collect(),
+            assembly: design.assembly_fields(),
             ranking,
             total,
             outcome: record.outcome.clone(),

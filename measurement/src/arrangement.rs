@@ -7,6 +7,7 @@ use nalgebra::Point3;
 
 use super::manifest::{Manifest, Setup};
 use crate::error::MeasurementError;
+use crate::markers::MarkerEvents;
 
 /// Microphones and other channels of a test, in the order of the channels of a [`Shot`](super::Shot).
 #[derive(Debug, Clone)]
@@ -31,6 +32,8 @@ pub struct Arrangement {
     pub accelerometers: Vec<String>,
     /// Names of the pressure transducers.
     pub transducers: Vec<String>,
+    /// Events of the markers.
+    pub events: MarkerEvents,
 }
 
 /// Frequency range of the levels \[Hz\], the same as in a run.
@@ -77,6 +80,7 @@ impl Arrangement {
                 .of_gas(manifest.gas_constant, manifest.heat_capacity_ratio)?,
             absorption: manifest.absorption,
             range_hz: RANGE,
+            events: manifest.events.clone(),
             accelerometers: manifest.accelerometers.clone(),
             transducers: manifest.pressures.clone(),
         })
@@ -147,6 +151,7 @@ mod tests {
             range_hz: [50.0, 10_000.0],
             accelerometers: vec!["W".into(), "N".into()],
             transducers: vec!["PT-I".into()],
+            events: MarkerEvents::default(),
         }
     }
 

@@ -10,6 +10,8 @@
 //! If only the body is bare, the burst of t12 is also located from the microphones ([`arrival`]), which shows whether
 //! they share the clock of the accelerometers.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 /// Acceleration at which the block or table starts to move \[m/s2\]: 2 g.
@@ -75,6 +77,50 @@ pub const AT_MICROPHONES: Marker = marker(
 
 const fn marker(name: &'static str, event: Option<&'static str>, meaning: &'static str) -> Marker {
     Marker { name, event, meaning }
+}
+
+/// Events of the cycle for which markers stand; those of [`MARKERS`] for a tool with the events of the published
+/// tests.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MarkerEvents(BTreeMap<String, String>);
+
+impl Default for MarkerEvents {
+    fn default() -> Self {
+        let named = MARKERS.iter().filter_map(|own| Some((own.name, own.event?)));
+        Self(named.map(|(name, event)| (name.to_owned(), event.to_owned())).collect())
+    }
+}
+
+impl MarkerEvents {
+    /// Events by the names of their markers.
+    pub fn new(events: BTreeMap<String, String>) -> Self {
+        Self(events)
+    }
+
+    /// Those of the markers whose events a tool has, by the names of its events.
+    pub fn among(mut self, events: &[&str]) -> Self {
+        self.0.retain(|_, event| events.contains(&event.as_str()));
+        self
+    }
+
+    /// Gives a marker an event.
+    pub fn set(&mut self, marker: &str, event: &str) {
+        self.0.insert(marker.to_owned(), event.to_owned());
+    }
+
+    /// Markers and their events.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(marker, event)| (marker.as_str(), event.as_str()))
+    }
+
+    /// The event of a marker; none without counterpart.
+    pub fn of(&self, marker: &str) -> Option<&str> {
+        let own = match marker {
+            name if name == AT_MICROPHONES.name => "t12",
+            name => name,
+        };
+        self.0.get(own).map(String::as_str)
+    }
 }
 
 /// Times from the trigger \[s\]; `None` if the signal is missing or never satisfies the rule.

@@ -51,3 +51,22 @@ fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
         settings: inputs::cycle::cycle_settings(design),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The stops of the head valve, which drives no fastener, and not those of the piston.
+    #[test]
+    fn the_housing_of_an_assembly_has_the_contacts_of_that_of_the_keys() {
+        let contacts = |cycle: &str| {
+            let text = format!("base = \"designs/n80cb.toml\"\n{cycle}");
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("contacts.toml");
+            let design = Design::parse(&text, path).unwrap();
+            inputs::response::tool(&design, &engine(&design).unwrap()).contacts
+        };
+        let of_keys = contacts("");
+        assert_eq!(of_keys.len(), 2);
+        assert_eq!(contacts("[cycle]\nassembly = \"n80cb\""), of_keys);
+    }
+}

@@ -94,6 +94,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             && let Some(design) = arguments.input.whole_design()?
         {
             inputs::sensors::transducers(&design)?;
+            inputs::assembly::cycle(&design)?;
         } else {
             warn(&tool);
         }

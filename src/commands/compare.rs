@@ -231,7 +231,7 @@ fn free_name(name: &str, others: &[Finished]) -> String {
 fn text(comparison: &Comparison, bands: bool, intervals: bool, units: Units) -> String {
     let mut text = String::from("differences\n\n");
     if comparison.inputs.is_empty() {
-        text.push_str("  none: the designs have the same values\n");
+        text.push_str(&format!("  {}\n", comparison.no_difference()));
     } else {
         text.push_str(&table::text(&comparison.input_table().in_units(units)));
     }

@@ -18,6 +18,9 @@ pub struct Finished {
     schema: String,
     pub(super) design: DesignId,
     pub(super) inputs: Vec<Input>,
+    /// Fields of its assembly that are no inputs; empty without an assembly, or in a result of an earlier version.
+    #[serde(default)]
+    pub(super) assembly: BTreeMap<String, String>,
     pub(super) ranking: Vec<RankedSource>,
     pub(super) total: Total,
     pub(super) outcome: String,

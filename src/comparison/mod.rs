@@ -4,6 +4,7 @@
 //! just run. The first result is the reference, to which changes refer.
 
 mod consistency;
+mod differences;
 mod error;
 mod finished;
 mod ranges;
@@ -32,8 +33,10 @@ pub struct Comparison {
     /// Frequency range of the levels of each result \[Hz\] if the ranges differ; null if they are the same. If they
     /// differ, changes are not due to the designs alone.
     pub unlike_ranges: Option<Vec<[f64; 2]>>,
-    /// Keys whose values differ.
+    /// Keys and fields of assemblies whose values differ; a block that a design lacks is one row.
     pub inputs: Vec<InputRow>,
+    /// Results of an earlier version that lack the fields of their assembly, so that only numbers are compared.
+    pub without_assembly: Vec<String>,
     /// Outcomes of the shots.
     pub outcomes: Vec<String>,
     /// Headline of each shot; null if the nail is driven and the exhaust opens.
@@ -59,14 +62,14 @@ pub struct Comparison {
     pub(crate) event_words: EventWords,
 }
 
-/// A key whose values differ.
+/// A key, or a field or block of an assembly, whose values differ.
 #[derive(Debug, Clone, Serialize)]
 pub struct InputRow {
     /// Its full name.
     pub key: String,
     /// Unit of its values; empty if they have none.
     pub unit: String,
-    /// Its values; null if a design does not have the key.
+    /// Its values, those of formulas and blocks as text; null if a design does not have the key.
     pub values: Vec<serde_json::Value>,
 }
 
@@ -158,6 +161,14 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
+    /// What to say if no input differs.
+    pub(crate) fn no_difference(&self) -> &'static str {
+        match self.without_assembly.is_empty() {
+            true => "none: the designs have the same values",
+            false => "none among the numbers; blocks, formulas and switches are not compared",
+        }
+    }
+
     /// Warnings to show before the levels: different frequency ranges, different outcomes, and how each shot ended that
     /// does not drive its nail.
     pub fn alarms(&self) -> Vec<String> {
@@ -169,7 +180,9 @@ impl Comparison {
             .unlike_ranges
             .as_ref()
             .map(|own| ranges::warning(&self.designs, own));
-        ranges.into_iter().chain(self.unlike.clone()).chain(ends).collect()
+        let texts = differences::warning(&self.without_assembly);
+        let all = ranges.into_iter().chain(texts).chain(self.unlike.clone());
+        all.chain(ends).collect()
     }
 
     /// The sources of a design in the order of its ranking, with levels and bands.
@@ -199,7 +212,8 @@ impl Comparison {
             schema: SCHEMA,
             designs: results.iter().map(|r| r.design.name.clone()).collect(),
             unlike_ranges: ranges::unlike(results),
-            inputs: inputs(results),
+            inputs: differences::inputs(results),
+            without_assembly: differences::without_assembly(results),
             outcomes: results.iter().map(|r| r.outcome.clone()).collect(),
             headlines,
             unlike,
@@ -267,30 +281,6 @@ fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> V
         }
     }
     all
-}
-
-fn inputs(results: &[Finished]) -> Vec<InputRow> {
-    let row = |key: String| {
-        let found: Vec<Option<&Input>> = results
-            .iter()
-            .map(|result| result.inputs.iter().find(|input| input.key == key))
-            .collect();
-        let unit = found
-            .iter()
-            .flatten()
-            .next()
-            .map_or_else(String::new, |input| input.unit.clone());
-        let values = found
-            .iter()
-            .map(|input| input.map_or(serde_json::Value::Null, |input| input.value.clone()))
-            .collect();
-        InputRow { key, unit, values }
-    };
-    in_order(results, |r| r.inputs.iter().map(|input| input.key.clone()).collect())
-        .into_iter()
-        .map(row)
-        .filter(|row| row.values.iter().any(|value| *value != row.values[0]))
-        .collect()
 }
 
 fn source_row(source: &str, results: &[Finished]) -> SourceRow {

@@ -103,6 +103,19 @@ impl DesignAssembly {
         Arc::clone(&self.read.text)
     }
 
+    /// The fields that are not literals, by full name: formulas, names, switches and words.
+    pub(super) fn fields(&self) -> BTreeMap<String, String> {
+        let literals: BTreeSet<&str> = self.read.literals.iter().map(|own| own.path.as_str()).collect();
+        // Range and provenance of a literal stand below its path.
+        let is_literal = |path: &str| {
+            let ends = path.match_indices('.').map(|(end, _)| end).chain([path.len()]);
+            ends.into_iter().any(|end| literals.contains(&path[..end]))
+        };
+        let fields = self.read.text.fields().into_iter();
+        let fields = fields.filter(|field| !is_literal(&field.path));
+        fields.map(|field| (field.path, field.text)).collect()
+    }
+
     fn literal(&self, key: &str) -> Option<&Literal> {
         self.read.literals.iter().find(|literal| literal.path == key)
     }

@@ -236,6 +236,11 @@ impl Design {
         self.assembly.as_ref().map(DesignAssembly::shared_text)
     }
 
+    /// Fields of its assembly that are not literals, by full name; empty for a design without one.
+    pub(crate) fn assembly_fields(&self) -> BTreeMap<String, String> {
+        self.assembly.as_ref().map(DesignAssembly::fields).unwrap_or_default()
+    }
+
     /// Values of all keys and of the literals that were set, as the formulas of an assembly read them.
     ///
     /// # Errors

@@ -96,9 +96,9 @@ pub fn columns_of(shot: &ShotRecord) -> Vec<Column<'_>> {
     match &shot.record {
         EngineRecord::Keys(record) => columns(record),
         EngineRecord::Assembly(record) => {
-            let channels = record.channels.iter();
+            let channels = record.channels.iter().filter(|channel| !channel.column.is_empty());
             let column = channels.map(|channel| Column {
-                name: channel.name.replace('.', "_"),
+                name: channel.column.clone(),
                 unit: &channel.unit,
                 values: &channel.values,
             });

@@ -6,9 +6,9 @@ use super::table::{coarse, numbers, optional, table};
 use super::{Exports, File};
 use crate::error::Error;
 
-/// Name of a channel's column: block and quantity joined by an underscore, with the unit.
+/// Title of a column, with its unit.
 fn title(name: &str, unit: &str) -> String {
-    format!("{} [{unit}]", name.replace('.', "_")).replace(" []", "")
+    format!("{name} [{unit}]").replace(" []", "")
 }
 
 /// `histories.csv`, `openings.csv`, `log.csv` and `events.csv`.
@@ -24,9 +24,9 @@ pub fn of_network(record: &Record, exports: Exports) -> Result<Vec<File>, Error>
             (coarse(interval), 6)
         };
         let time = |index: usize| index as f64 * interval;
-        let channels = &record.channels;
-        let titles = channels.iter().map(|channel| title(&channel.name, &channel.unit));
-        let values: Vec<&[f64]> = channels.iter().map(|channel| &channel.values[..]).collect();
+        let channels = record.channels.iter().filter(|channel| !channel.column.is_empty());
+        let titles = channels.clone().map(|channel| title(&channel.column, &channel.unit));
+        let values: Vec<&[f64]> = channels.map(|channel| &channel.values[..]).collect();
         let header = std::iter::once("time [s]".to_owned()).chain(titles);
         files.push(File::new(
             "histories.csv",
@@ -63,7 +63,10 @@ pub fn of_network(record: &Record, exports: Exports) -> Result<Vec<File>, Error>
             .into_iter()
             .chain(state)
     });
-    let states = record.state_columns.iter().map(|own| title(&own.name, own.unit));
+    let states = record
+        .state_columns
+        .iter()
+        .map(|own| title(&own.name.replace('.', "_"), own.unit));
     let header = ["time [s]", "block", "word"].map(str::to_owned).into_iter();
     files.push(File::new("log.csv", table(header.chain(states), log)?));
     let events = record.events.iter().map(|event| {

@@ -10,6 +10,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::measurement::Shot;
 use crate::measurement::arrangement::Arrangement;
+use crate::measurement::markers::MarkerEvents;
 use crate::measurement::recordings::wav::{Coding, encode};
 use crate::measurement::wrapping::Configuration;
 
@@ -107,6 +108,13 @@ pub fn manifest(
     }
     if let Some(absorption) = arrangement.absorption {
         let _ = writeln!(text, "absorption = \"{absorption} m2\"");
+    }
+    if arrangement.events != MarkerEvents::default() {
+        // Events of a tool with events of its own; without any, the markers have no events.
+        let _ = writeln!(text, "\n[markers]");
+        for (marker, event) in arrangement.events.iter() {
+            let _ = writeln!(text, "{marker} = \"{event}\"");
+        }
     }
     let _ = writeln!(text, "\n[channels]");
     for (place, at) in arrangement.microphones.iter().enumerate() {

@@ -344,7 +344,7 @@ fn levels(c: &Comparison, paired: &[PairedStudy], units: Units) -> Markup {
 
 fn inputs(c: &Comparison, units: Units) -> Markup {
     html! {
-        @if c.inputs.is_empty() { p { "None: the designs have the same values." } }
+        @if c.inputs.is_empty() { p { (c.no_difference()) } }
         @else { (table::markup(&c.input_table().in_units(units))) }
     }
 }

@@ -23,6 +23,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::BEFORE;
+use crate::measurement::markers::MarkerEvents;
 use crate::measurement::recordings::Shot;
 use crate::measurement::wrapping::{Configuration, InsertionLoss, Role, Wrapping};
 use crate::model::supports;
@@ -91,7 +92,22 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
             .into_iter()
             .map(|own| own.name)
             .collect(),
+        events: marker_events(design)?,
     })
+}
+
+/// Events of the markers: those of the N80CB that an assembly has, and those that it names.
+fn marker_events(design: &Design) -> Result<MarkerEvents, Error> {
+    let events = MarkerEvents::default();
+    let Some(cycle) = inputs::assembly::cycle(design)? else {
+        return Ok(events);
+    };
+    let names: Vec<&str> = cycle.assembly.events.iter().map(|own| own.name.as_str()).collect();
+    let mut events = events.among(&names);
+    for marker in &cycle.assembly.markers {
+        events.set(&marker.name, &marker.event);
+    }
+    Ok(events)
 }
 
 /// A sensor's record whose end fades to zero, if its body still moves slightly.

@@ -3,10 +3,13 @@
 use nailnoise::chain::{self, Chain, Options};
 use nailnoise::design::Value;
 use nailnoise::graph::Graph;
+use nailnoise::measurement::markers::MarkerEvents;
+use nailnoise::output::columns_of;
 use nailnoise::run::Run;
+use nailnoise::stages::cycle::ShotRecord;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise::study::{Variable, variables};
-use nailnoise::{Design, Error};
+use nailnoise::{Design, Error, virtual_test};
 
 use crate::common::{ROOT, design, folder, run, run_with_chain, small};
 
@@ -264,6 +267,7 @@ fn a_literal_that_is_set_changes_the_shot_and_nothing_else() {
 fn switches_that_an_assembly_does_not_follow_are_refused_at_their_place() {
     for (key, text) in [
         ("model.gas", "model.gas = \"published\""),
+        ("model.blow", "model.blow = \"elastic\""),
         ("wood.penetration_law", "wood.penetration_law = \"constant\""),
     ] {
         let own = small(&format!("{text}\n[cycle]\nassembly = \"blow_gun\""));
@@ -291,6 +295,110 @@ fn an_assembly_based_on_the_n80cb_follows_the_switches_of_the_model_and_the_wood
         );
     }
     assert!((shot("model.gas = \"published\"", own) - shot("", own)).abs() > 1e-5);
+}
+
+/// The speed that splits the force of a nail is that of the driver in the wood, and only where the law depends on it.
+#[test]
+fn a_fastener_of_an_assembly_has_a_speed_where_its_resistance_depends_on_it() {
+    let own = "[cycle]\nassembly = \"n80cb\"";
+    let rate = "wood.rate = \"speed\"";
+    let [keys, assembly] = ["", own].map(|cycle| chain::shot(&small(&format!("{rate}\n{cycle}"))).unwrap());
+    let record = keys.of_tool_of_keys().unwrap();
+    let speed = assembly.workpiece.unwrap().fastener_speed.unwrap();
+    let expected = record.piston.velocity.iter().zip(&record.workpiece.velocity);
+    let expected: Vec<f64> = expected.map(|(piston, wood)| (piston - wood).max(0.0)).collect();
+    let fastest = expected.iter().copied().fold(0.0, f64::max);
+    assert!(fastest > 10.0, "{fastest} m/s");
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        let (count, sum) = values.fold((0.0, 0.0), |(count, sum), v| (count + 1.0, sum + v * v));
+        (sum / count).sqrt()
+    };
+    let gap = rms(&mut speed.iter().zip(&expected).map(|(a, b)| a - b));
+    assert!(gap < 1e-3 * fastest, "{gap} of {fastest} m/s");
+    assert!(
+        chain::shot(&small(own))
+            .unwrap()
+            .workpiece
+            .unwrap()
+            .fastener_speed
+            .is_none()
+    );
+}
+
+/// Of the exhaust's path, and of no other volume; the one of the N80CB follows from its histories.
+#[test]
+fn volumes_of_the_exhausts_path_state_how_much_gas_leaves_choked() {
+    let fraction = |shot: &ShotRecord, volume: &str| shot.figures.get(&format!("{volume}_choked_fraction"));
+    let [keys, plain, chamber] = [
+        "",
+        "[cycle]\nassembly = \"n80cb\"",
+        "[cycle]\nassembly = \"n80cb_chamber\"",
+    ]
+    .map(|cycle| chain::shot(&small(cycle)).unwrap());
+    let record = keys.of_tool_of_keys().unwrap();
+    let critical = (2.0_f64 / 2.4).powf(3.5);
+    let flows = record.exhaust.mass_flow.iter().map(|flow| flow.max(0.0));
+    let (mut choked, mut total) = (0.0, 0.0);
+    for (flow, pressure) in flows.zip(&record.above_piston.pressure) {
+        total += flow;
+        choked += if keys.ambient_pressure < critical * pressure {
+            flow
+        } else {
+            0.0
+        };
+    }
+    let own = fraction(&plain, "above_piston").unwrap();
+    assert!((own - choked / total).abs() < 1e-4, "{own} {}", choked / total);
+    assert!(fraction(&plain, "below_piston").is_none() && fraction(&plain, "supply").is_none());
+    let (cylinder, silencer) = (fraction(&chamber, "above_piston"), fraction(&chamber, "silencer"));
+    // The chamber fills later, so that less of its gas leaves above the critical pressure.
+    assert!(
+        0.0 < silencer.unwrap() && silencer < cylinder,
+        "{cylinder:?} {silencer:?}"
+    );
+    let without = "[cycle]\nassembly = \"n80cb_chamber\"\n[cycle.volume.silencer]\nexhaust_path = false";
+    assert!(fraction(&chain::shot(&small(without)).unwrap(), "silencer").is_none());
+}
+
+#[test]
+fn an_assembly_of_the_n80cb_has_its_columns() {
+    let [keys, assembly] = ["", "[cycle]\nassembly = \"n80cb\""].map(|cycle| chain::shot(&small(cycle)).unwrap());
+    let (of_keys, of_assembly) = (columns_of(&keys), columns_of(&assembly));
+    for column in &of_keys {
+        let same: Vec<_> = of_assembly.iter().filter(|own| own.name == column.name).collect();
+        let [own] = same[..] else {
+            panic!("{} columns {}", same.len(), column.name)
+        };
+        let zero = own.values.iter().all(|value| *value == 0.0);
+        assert!(
+            own.unit == column.unit || zero,
+            "{}: {} {}",
+            column.name,
+            own.unit,
+            column.unit
+        );
+        let peak = column.values.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()));
+        let gap = own.values.iter().zip(column.values).map(|(a, b)| (a - b).powi(2));
+        let gap = (gap.sum::<f64>() / column.values.len() as f64).sqrt();
+        assert!(gap <= 5e-3 * peak, "{}: {gap} of {peak}", column.name);
+    }
+}
+
+/// A stapler has no event t7; `[cycle.marker]` names its own, and a name that it does not have is refused.
+#[test]
+fn markers_of_a_measurement_have_the_events_of_the_assembly() {
+    let events = |cycle: &str| {
+        let design = small(&format!("[cycle]\nassembly = {cycle}"));
+        virtual_test::arrangement(&design).map(|own| own.events)
+    };
+    assert_eq!(events("\"n80cb\"").unwrap(), MarkerEvents::default());
+    assert_eq!(events("\"stapler\"").unwrap().iter().count(), 0);
+    let own = events("\"stapler\"\n[cycle.marker]\nt4 = \"strike\"").unwrap();
+    assert_eq!(own.iter().collect::<Vec<_>>(), [("t4", "strike")]);
+    let wrong = "base = \"small.toml\"\n[cycle]\nassembly = \"stapler\"\n[cycle.marker]\nt4 = \"t7\"\n";
+    let beside = std::path::Path::new(ROOT).join("tests/data/over.toml");
+    let refused = Design::parse(wrong, beside).unwrap_err().to_string();
+    assert!(refused.contains("cycle.marker.t4"), "{refused}");
 }
 
 #[test]

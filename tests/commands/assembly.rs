@@ -325,3 +325,34 @@ fn a_vessel_empties_through_a_silencer_and_more_slowly_through_a_fifth_of_its_ho
     let throttled = discharged(&["silencer.toml", "--set", "cycle.let.holes=20"], "holes");
     assert!(throttled < 0.9 * exact, "{throttled} kg of {exact}");
 }
+
+/// `check`, `cycle` and `run` refuse a value that the assembly does not follow in the same words, at its place. The
+/// cycle alone does not use the support.
+#[test]
+fn commands_refuse_alike_what_an_assembly_does_not_follow() {
+    let folder = folder("assembly/refused");
+    for (name, text, cycle_uses_it) in [
+        ("blow", "model.blow = \"elastic\"", true),
+        ("gas", "model.gas = \"published\"", true),
+        ("coupling", "support.coupling = \"two-way\"", false),
+    ] {
+        let design = over(
+            &folder,
+            name,
+            &format!("{text}\n[cycle]\nassembly = \"blow_gun\"\nend = \"40 ms\"\n"),
+        );
+        let outputs = ["run", "check", "cycle"].map(|command| nailnoise(&folder, &[command, &design]));
+        let [run, check, cycle] = outputs.map(|output| (output.status.code(), crate::common::messages(&output)));
+        let (key, _) = text.split_once(" =").unwrap();
+        assert!(
+            run.0 == Some(2) && run.1.contains(key) && run.1.contains(&format!("{name}.toml:")),
+            "{}",
+            run.1
+        );
+        assert_eq!(check, run);
+        match cycle_uses_it {
+            true => assert_eq!(cycle, run),
+            false => assert_eq!(cycle.0, Some(0), "{}", cycle.1),
+        }
+    }
+}

@@ -211,3 +211,58 @@ fn an_error_of_a_run_and_an_unused_block_are_shown_at_their_places() {
     assert!(check.contains("`cycle.trigger.pressed` has no effect"), "{check}");
     assert!(check.contains("open = { when = \"pressed\" }"), "{check}");
 }
+
+/// Rows of a comparison of the tacker with itself after a change.
+fn differences(name: &str, more: &str) -> Vec<(String, Vec<Value>)> {
+    let (folder, design) = made(name);
+    let other = folder.join("changed.toml");
+    fs::write(&other, format!("base = \"tacker.toml\"\n{more}")).unwrap();
+    let compared = printed(&folder, &["compare", &design, other.to_str().unwrap()]);
+    assert_eq!(compared["without_assembly"], serde_json::json!([]));
+    let rows = compared["inputs"].as_array().unwrap().iter();
+    rows.map(|row| {
+        (
+            row["key"].as_str().unwrap().to_owned(),
+            row["values"].as_array().unwrap().clone(),
+        )
+    })
+    .collect()
+}
+
+/// A switch that is not given is off.
+#[test]
+fn a_comparison_names_a_switch_of_a_block() {
+    let on = "[cycle.passage.exhaust]\none_way = true\n";
+    let path = "cycle.passage.exhaust.one_way".to_owned();
+    assert_eq!(
+        differences("switched", on),
+        [(path, vec!["false".into(), "true".into()])]
+    );
+    assert_eq!(differences("not-switched", &on.replace("true", "false")), []);
+}
+
+#[test]
+fn a_comparison_names_new_blocks_once_with_their_fields() {
+    let more = "[cycle.volume.side]\ndead = \"20 cm3\"\npressure = \"=ambient.pressure\"\n\
+                [cycle.passage.neck]\nbetween = [\"side\", \"vessel\"]\narea = \"2 mm2\"\none_way = true\n";
+    let mut rows = differences("chamber", more);
+    rows.sort_by(|a, b| a.0.cmp(&b.0));
+    let names: Vec<&str> = rows.iter().map(|row| row.0.as_str()).collect();
+    assert_eq!(names, ["cycle.passage.neck", "cycle.volume.side"]);
+    assert_eq!(
+        rows[1].1,
+        [Value::Null, "dead 20 cm3, pressure =ambient.pressure".into()]
+    );
+    let neck = rows[0].1[1].as_str().unwrap();
+    for field in ["between.0 side", "between.1 vessel", "area 2 mm2", "one_way true"] {
+        assert!(neck.contains(field), "{neck}");
+    }
+}
+
+#[test]
+fn a_comparison_names_a_removed_block_once() {
+    let rows = differences("removed", "[cycle.friction]\nseal = false\n");
+    assert_eq!(rows.len(), 1, "{rows:?}");
+    assert_eq!(rows[0].0, "cycle.friction.seal");
+    assert!(rows[0].1[0].is_string() && rows[0].1[1].is_null(), "{rows:?}");
+}

@@ -56,8 +56,8 @@ pub use record::{
 };
 pub use resistance::FastenerResistance;
 pub use text::{
-    AssemblyError, AssemblyText, BUILT_IN, CYCLE, Change, Changes, DeclaredKey, Fault, FieldSpec, FieldType, KeyValue,
-    Keys, LAYOUT, Literal, PlacedBlock, PlacedError, Resolved, TableSpec, Travels, Unused,
+    AssemblyError, AssemblyText, BUILT_IN, CYCLE, Change, Changes, DeclaredKey, Fault, FieldSpec, FieldText, FieldType,
+    KeyValue, Keys, LAYOUT, Literal, PlacedBlock, PlacedError, Resolved, TableSpec, Travels, Unused,
 };
 
 /// Integrates an assembly from the trigger at t = 0 to its end.

@@ -107,6 +107,7 @@ impl Probe {
             (Family::Fastener, Quantity::Force) => Self::Resistance(i),
             (Family::Fastener, Quantity::GuideForce) => Self::Guide(i),
             (Family::Fastener, Quantity::Depth) => Self::Depth(i),
+            (Family::Fastener, Quantity::Tip) => Self::Tip(i),
             (Family::Fastener, Quantity::Deepest) => Self::Deepest(i),
             (Family::Fastener, Quantity::Advance) => Self::Advance(i),
             (Family::Trigger, Quantity::On) => Self::On(*plan.triggers.get(i)?),

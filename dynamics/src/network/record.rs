@@ -15,6 +15,8 @@ use super::recorder::Recorder;
 pub struct Channel {
     /// `block.quantity`, or the name of a sensor.
     pub name: String,
+    /// Name of its column in files; empty if it has none, because another channel has this name.
+    pub column: String,
     /// SI unit.
     pub unit: String,
     /// Values at multiples of the sample interval.
@@ -289,6 +291,7 @@ impl Record {
         for column in columns {
             channels.push(Channel {
                 name: column.name,
+                column: column.column,
                 unit: column.unit,
                 values: of(column.place),
             });

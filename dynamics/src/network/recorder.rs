@@ -4,7 +4,7 @@ mod reads;
 
 use reads::{BLOCK, Combination, Reads, Source};
 
-use super::assembly::{PressurePatch, Space};
+use super::assembly::{ColumnValue, JetQuantity, PressurePatch, Space};
 use super::error::RunError;
 use super::mode::Mode;
 use super::numerics::Numerics;
@@ -32,6 +32,8 @@ fn passages(plan: &Plan, sources: &[Source]) -> Vec<(usize, [f64; 2])> {
 #[derive(Debug)]
 pub(super) struct Named {
     pub(super) name: String,
+    /// Name of its column; empty if another column has that name.
+    pub(super) column: String,
     pub(super) unit: String,
     pub(super) place: usize,
 }
@@ -104,6 +106,7 @@ impl Recorder {
             recorder.describe_gas_and_bodies(plan);
             recorder.describe_forces(plan);
             recorder.describe_sensors(plan)?;
+            recorder.describe_columns(plan)?;
             recorder.describe_openings(plan);
             recorder.describe_surfaces(plan)?;
             let n = (plan.assembly.end / interval) as usize + 2;
@@ -151,6 +154,7 @@ impl Recorder {
         }
         let place = self.place(Source::Probe(probe));
         self.columns.push(Named {
+            column: format!("{block}_{quantity}"),
             name: format!("{block}.{quantity}"),
             unit: unit.to_owned(),
             place,
@@ -229,10 +233,53 @@ impl Recorder {
             let program = Program::new(plan, &format!("sensor \"{}\"", sensor.name), &sensor.value)?;
             let place = self.place(Source::Program(program));
             self.columns.push(Named {
+                column: sensor.name.clone(),
                 name: sensor.name.clone(),
                 unit: sensor.unit.clone(),
                 place,
             });
+        }
+        Ok(())
+    }
+
+    /// Columns under names of their own, which win over those of other channels. A tool that records some channels
+    /// only has columns of its own.
+    fn describe_columns(&mut self, plan: &Plan) -> Result<(), RunError> {
+        if self.wanted.is_some() {
+            return Ok(());
+        }
+        for column in &plan.assembly.columns {
+            let named = self.columns.iter().position(|own| own.name == column.channel);
+            let at = match named {
+                Some(at) => at,
+                None => {
+                    let source = match &column.value {
+                        ColumnValue::Expression(value) => {
+                            Source::Program(Program::new(plan, &format!("column \"{}\"", column.name), value)?)
+                        }
+                        ColumnValue::Jet(opening, quantity) => {
+                            let own = &plan.assembly.openings[*opening];
+                            Source::Probe(match quantity {
+                                JetQuantity::Pressure => Probe::Before(own.passage, own.restriction),
+                                JetQuantity::BackPressure => Probe::Behind(own.passage, own.restriction),
+                                JetQuantity::Temperature => Probe::Upstream(own.passage),
+                            })
+                        }
+                    };
+                    let place = self.place(source);
+                    self.columns.push(Named {
+                        column: String::new(),
+                        name: column.name.clone(),
+                        unit: column.unit.clone(),
+                        place,
+                    });
+                    self.columns.len() - 1
+                }
+            };
+            for own in self.columns.iter_mut().filter(|own| own.column == column.name) {
+                own.column.clear();
+            }
+            self.columns[at].column.clone_from(&column.name);
         }
         Ok(())
     }

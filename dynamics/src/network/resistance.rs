@@ -86,6 +86,19 @@ impl FastenerResistance {
         }
     }
 
+    /// Friction along the shank, force of the tip and force under the head of a fastener that moves into the work at
+    /// `speed` \[m/s\], with the tip at `depth` \[m\] \[N\]. The friction is `friction_share` of the force at full
+    /// depth and linear in depth, unless the law of a wood states it.
+    pub fn parts(&self, depth: f64, speed: f64, friction_share: f64) -> [f64; 3] {
+        if let ShankLaw::Envelope(envelope) = &self.law {
+            return envelope.parts(depth, speed, envelope.usual_impact());
+        }
+        let law = self.shank(depth);
+        let full = friction_share * self.shank(self.length);
+        let friction = (full * depth.min(self.length) / self.length).min(law);
+        [friction, law - friction, self.head(depth)]
+    }
+
     /// Force under the head with the tip at `depth` \[m\] \[N\].
     pub fn head(&self, depth: f64) -> f64 {
         match &self.law {

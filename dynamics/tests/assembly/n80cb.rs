@@ -1,10 +1,10 @@
 //! The built-in assembly of the N80CB has the constants of the equations that it describes.
 
-use nailnoise_dynamics::network::AssemblyText;
 use nailnoise_dynamics::network::assembly::{
     Action, Assembly, Base, Coefficient, ContactDamping, Edge, FastenerLaw, ForceLaw, Opens, OutcomeTest, Pick, Space,
     SpringLaw, Start,
 };
+use nailnoise_dynamics::network::{AssemblyText, FastenerResistance};
 use nailnoise_dynamics::{Geometry, Parameters};
 use nailnoise_penetration::{HeadLaw, RateLaw, ResistanceLaw};
 
@@ -352,4 +352,35 @@ fn events_triggers_and_outcomes_refer_to_what_they_name() {
         (Some(finish.event), finish.never_past),
         (event("t18"), event("landing"))
     );
+}
+
+/// Shank, tip and head of the nail at rest and at speed, with the law of the keys and that of the assembly.
+#[test]
+fn the_parts_of_the_nails_resistance_follow_its_speed() {
+    let mut p = common::n80cb();
+    p.wood.rate = RateLaw::Speed;
+    let (envelope, a) = (p.penetration_envelope(), assembly(&p));
+    let resistance = FastenerResistance::of(&a.fasteners[0]);
+    let parts = |depth: f64, speed: f64| {
+        let own = resistance.parts(depth, speed, p.friction_share);
+        let of_keys = envelope.parts(depth, speed, envelope.usual_impact());
+        for (own, of_keys) in own.iter().zip(of_keys) {
+            assert!(
+                (own - of_keys).abs() <= 1e-9 * of_keys.abs(),
+                "{depth} m, {speed} m/s: {own} N, {of_keys} N"
+            );
+        }
+        own
+    };
+    for depth in [
+        1e-4,
+        0.01,
+        0.03,
+        0.5 * p.nail.length,
+        p.nail.length,
+        p.nail.length + 1e-3,
+    ] {
+        let [rest, fast] = [0.0, 20.0].map(|speed| parts(depth, speed));
+        assert!(fast[0] < rest[0] && fast[1] > rest[1], "{rest:?} {fast:?}");
+    }
 }

@@ -42,6 +42,8 @@ pub(crate) fn empty(name: &str, end: f64) -> Assembly {
         openings: Vec::new(),
         loads: Vec::new(),
         pressures: Vec::new(),
+        columns: Vec::new(),
+        markers: Vec::new(),
     }
 }
 

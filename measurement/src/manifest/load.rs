@@ -1,5 +1,6 @@
 //! Reads manifests from files.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nailnoise_acoustics::{GAS_CONSTANT, HEAT_RATIO};
@@ -10,6 +11,7 @@ use nailnoise_quantities::measure;
 use super::channel::{Channel, Kind};
 use super::{Configuration, Manifest, Microphone, Setup, Trigger, checks};
 use crate::error::MeasurementError;
+use crate::markers::{MARKERS, MarkerEvents};
 use crate::recordings::{Calibrator, Quantity, Source, read, refuse};
 
 /// Largest manifest accepted \[byte\].
@@ -93,6 +95,7 @@ impl Manifest {
             "absorption",
             "channels",
             "configurations",
+            "markers",
         ])?;
         let setup = setup(&root)?;
         let centre = root.point("centre", root.required("centre", "[0, 0, 0.938]")?)?;
@@ -133,6 +136,7 @@ impl Manifest {
             accelerometers: names(Kind::Accelerometer),
             pressures: names(Kind::Pressure),
             configurations: configurations(&root, setup, &channels)?,
+            events: events(&root)?,
             warnings: Vec::new(),
             channels,
             rate: None,
@@ -255,6 +259,21 @@ fn configurations(root: &Keys<'_, '_>, setup: Setup, channels: &[Channel]) -> Re
         return Err(root.error("configurations", "has no configuration", help));
     }
     Ok(found)
+}
+
+/// Events of the markers of a tool with other events than the N80CB.
+fn events(root: &Keys<'_, '_>) -> Result<MarkerEvents, KeyError> {
+    let Some(table) = root.table("markers", "[markers]")? else {
+        return Ok(MarkerEvents::default());
+    };
+    table.only(&MARKERS.map(|marker| marker.name))?;
+    let mut events = BTreeMap::new();
+    for marker in MARKERS {
+        if let Some(event) = table.text(marker.name, "\"strike\"")? {
+            events.insert(marker.name.to_owned(), event.to_owned());
+        }
+    }
+    Ok(MarkerEvents::new(events))
 }
 
 fn trigger(table: &Keys<'_, '_>, channels: &[Channel]) -> Result<Trigger, KeyError> {

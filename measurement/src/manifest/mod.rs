@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use self::channel::{Channel, Kind};
 use super::error::MeasurementError;
+use super::markers::MarkerEvents;
 use super::recordings::{Fault, Shot, Signals, Source, crossing, dead, read_shot};
 
 /// Number of the configuration in which everything is wrapped.
@@ -124,6 +125,8 @@ pub struct Manifest {
     pub pressures: Vec<String>,
     /// The configurations in the order of their numbers.
     pub configurations: Vec<Configuration>,
+    /// Events of the markers; those of the N80CB unless stated.
+    pub events: MarkerEvents,
     /// Conditions that reduce the value of the test without invalidating it.
     pub warnings: Vec<String>,
     /// All channels, in the order of the file.

@@ -3,7 +3,7 @@
 use super::shots::{Energies, IntervalEnergy, ProcessedShot};
 use crate::arrangement::Arrangement;
 use crate::lines::BEFORE;
-use crate::markers::{AT_MICROPHONES, MARKERS, Marker};
+use crate::markers::{AT_MICROPHONES, MARKERS, Marker, MarkerEvents};
 use crate::repeats::RepeatedLevel;
 use crate::result::{
     MeasuredAcceleration, MeasuredBand, MeasuredBound, MeasuredConfiguration, MeasuredInterval, MeasuredMarker,
@@ -173,7 +173,7 @@ impl Summary<'_> {
             bands: self.bands(raw()),
             intervals: self.intervals(raw()),
             accelerations: accelerations.collect(),
-            markers: markers(shots),
+            markers: markers(shots, &self.arrangement.events),
             delays_s: delays.clone(),
         }
     }
@@ -333,7 +333,7 @@ impl Summary<'_> {
 }
 
 /// Mean markers of shots.
-fn markers(shots: &[ProcessedShot]) -> Vec<MeasuredMarker> {
+fn markers(shots: &[ProcessedShot], events: &MarkerEvents) -> Vec<MeasuredMarker> {
     let found = |shot: &ProcessedShot, marker: &Marker| match marker.name {
         name if name == AT_MICROPHONES.name => shot.arrival,
         name => shot
@@ -350,7 +350,7 @@ fn markers(shots: &[ProcessedShot]) -> Vec<MeasuredMarker> {
         let squares: f64 = found.iter().map(|at| (at - mean).powi(2)).sum();
         (count > 0).then(|| MeasuredMarker {
             name: marker.name.to_owned(),
-            event: marker.event.map(str::to_owned),
+            event: events.of(marker.name).map(str::to_owned),
             meaning: marker.meaning.to_owned(),
             repeats: count,
             seconds: mean,

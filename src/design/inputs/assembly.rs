@@ -54,8 +54,13 @@ impl AssembledTool {
                 let Some(text) = design.assembly().cloned() else {
                     return Ok(None);
                 };
+                let keys = design.assembly_keys()?;
+                let resolved = text.resolve(&keys).map_err(refused_assembly)?;
+                if let Some((key, remedy)) = ignored(&design, &resolved) {
+                    return Err(design.refuse_for_assembly(&key, remedy).into());
+                }
                 let (numerics, warnings) = (numerics(&design), design.warnings().to_vec());
-                (text, design.assembly_keys()?, numerics, fitted_law(&design)?, warnings)
+                (text, keys, numerics, fitted_law(&design)?, warnings)
             }
         };
         let mut resolved = text.resolve(&keys).map_err(refused_assembly)?;
@@ -93,7 +98,8 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     };
     let mut resolved = text.resolve(&design.assembly_keys()?).map_err(refused_assembly)?;
     resolved.assembly.set_resistance(None, fitted_law(design)?.as_ref());
-    if let Some((key, remedy)) = ignored(design, &resolved) {
+    let refused = unsupported(design, &resolved).or_else(|| ignored(design, &resolved));
+    if let Some((key, remedy)) = refused {
         return Err(design.refuse_for_assembly(&key, remedy).into());
     }
     Ok(Some(AssembledCycle {
@@ -103,13 +109,19 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
     }))
 }
 
-/// A key with a value that the assembly does not follow, and what to do instead.
-fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
-    if design.support.coupling == Coupling::TwoWay && body(&resolved.assembly, WORKPIECE).is_none() {
+/// A key of the support that a run cannot follow, and what to do instead. The cycle alone does not use the support's
+/// structure.
+fn unsupported(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
+    let coupled = design.support.coupling == Coupling::TwoWay;
+    (coupled && body(&resolved.assembly, WORKPIECE).is_none()).then(|| {
         let remedy = "set `support.coupling = \"one-way\"`: the assembly has no body `workpiece` on which the support \
                       could act";
-        return Some(("support.coupling".to_owned(), remedy));
-    }
+        ("support.coupling".to_owned(), remedy)
+    })
+}
+
+/// A key of the cycle with a value that the assembly does not follow, and what to do instead.
+fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
     let muffler = "exhaust.muffler.kind";
     if design.exhaust.muffler.kind == MufflerKind::Chamber && !resolved.keys.contains(muffler) {
         let remedy = "describe the chamber as a volume of the assembly, between two passages, with the opening behind \
@@ -127,9 +139,11 @@ fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str
                 "give the law of the fastener in the assembly: `law = { kind = \"constant\", force = .. }` or \
                  `law = { kind = \"table\", .. }`"
             }
-            ("wood.rate", Value::Choice("speed"))
-            | ("wood.head_law", Value::Choice("yields"))
-            | ("model.blow", Value::Choice("elastic")) => {
+            ("model.blow", Value::Choice("elastic")) => {
+                "remove it: the elastic blow is computed from the keys of piston and nail and the cycle of a design \
+                 without `[cycle]`; that of an assembly is rigid"
+            }
+            ("wood.rate", Value::Choice("speed")) | ("wood.head_law", Value::Choice("yields")) => {
                 "remove it: no formula of the assembly reads the key, as those of the assembly n80cb do"
             }
             _ => return,

@@ -8,7 +8,7 @@ use super::bodies;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports::{self, Contact};
-use crate::stages::cycle::{Engine, WORKPIECE};
+use crate::stages::cycle::{Engine, WORKPIECE, stops_on_housing};
 use crate::stages::response::{DrivenFastener, FastenerLaw, ShotInputs};
 use crate::stages::tool_response::{HousingContact, ToolShot};
 
@@ -57,23 +57,33 @@ fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
     })
 }
 
+/// A contact of the cycle on a surface of the housing.
+fn housing_contact(surface: &str, stiffness: f64) -> HousingContact {
+    let place = match surface {
+        "rim" => "cylinder's rim",
+        own => own,
+    };
+    HousingContact {
+        surface: surface.to_owned(),
+        place: place.to_owned(),
+        stiffness,
+    }
+}
+
 /// Inputs of the response of the tool, without its body and the cycle.
 pub(crate) fn tool(design: &Design, engine: &Engine) -> ToolShot {
     let contacts = match engine {
         Engine::Keys(cycle) => {
             let contacts = &cycle.parameters.contacts;
-            [
-                ("cap", "cap", contacts.cap_stiffness),
-                ("rim", "cylinder's rim", contacts.seat_stiffness),
+            vec![
+                housing_contact("cap", contacts.cap_stiffness),
+                housing_contact("rim", contacts.seat_stiffness),
             ]
-            .map(|(surface, place, stiffness)| HousingContact {
-                surface,
-                place,
-                stiffness,
-            })
-            .to_vec()
         }
-        Engine::Assembly(_) => Vec::new(),
+        Engine::Assembly(cycle) => stops_on_housing(&cycle.assembly)
+            .into_iter()
+            .map(|stop| housing_contact(stop.surface, stop.contact.stiffness))
+            .collect(),
     };
     ToolShot {
         gravity: engine.gravity(),

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
-pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit, outflows};
+pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit, outflows, stops_on_housing};
 pub use of_keys::{EVENT_NAMES, event_times};
 pub(crate) use shot::VOLUMES_OF_KEYS;
 pub use shot::{

@@ -11,6 +11,7 @@ use nailnoise_dynamics::network::assembly::{
     self, Base, Channel, Contact, Expression, Family, Passage, Quantity, Space,
 };
 use nailnoise_dynamics::network::{Assembly, FlowHistory, LoadHistory, Record};
+use nailnoise_penetration::RateLaw;
 
 use super::of_keys::impulse_correction;
 use super::shot::{EngineRecord, OnWorkpiece, ShotRecord, SummaryFigures};
@@ -105,8 +106,21 @@ impl<'a> Histories<'a> {
                 Some(name) => self.quantity(name, "deepest"),
                 None => vec![0.0; self.samples],
             },
+            fastener_speed: self.fastener_speed(body),
             seat,
         }
+    }
+
+    /// Speed of the first fastener in a body into it, if its resistance depends on speed: it moves with its driver.
+    fn fastener_speed(&self, body: usize) -> Option<Vec<f64>> {
+        let mut fasteners = self.assembly.fasteners.iter();
+        let fastener = fasteners.find(|own| own.into == Base::Body(body))?;
+        let by_speed = matches!(&fastener.law, assembly::FastenerLaw::Wood(law) if law.wood.rate == RateLaw::Speed);
+        by_speed.then(|| {
+            let [driver, work] = [fastener.driver, body].map(|own| self.motion(own).velocity);
+            let pairs = driver.iter().zip(&work);
+            pairs.map(|(driver, work)| (driver - work).max(0.0)).collect()
+        })
     }
 
     fn fasteners_in(&self, body: usize) -> impl Iterator<Item = &str> {
@@ -164,7 +178,7 @@ impl<'a> Histories<'a> {
                 .enumerate()
                 .filter(|(_, contact)| contact.on == body && contact.against == Base::Body(tool))
                 .collect();
-            let surfaces: Vec<&str> = stops.iter().filter_map(|(index, _)| self.surface_of(*index)).collect();
+            let surfaces: Vec<&str> = stops.iter().filter_map(|(index, _)| surface_of(a, *index)).collect();
             if stops.is_empty() || surfaces.len() < stops.len() {
                 continue;
             }
@@ -196,21 +210,41 @@ impl<'a> Histories<'a> {
         }
         corrections
     }
+}
 
-    /// The surface of the housing whose load contains the force of a contact.
-    fn surface_of(&self, contact: usize) -> Option<&str> {
-        let channel = Channel {
-            block: assembly::BlockRef {
-                family: Family::Contact,
-                index: contact,
-            },
-            quantity: Quantity::Force,
-        };
-        let mut loads = self.assembly.loads.iter();
-        let on_tool = |load: &&assembly::Load| self.assembly.bodies[load.body].name == TOOL;
-        let load = loads.find(|load| on_tool(load) && contains(&load.force, channel))?;
-        Some(&load.surface)
-    }
+/// The surface of the housing whose load contains the force of a contact.
+fn surface_of(assembly: &Assembly, contact: usize) -> Option<&str> {
+    let channel = Channel {
+        block: assembly::BlockRef {
+            family: Family::Contact,
+            index: contact,
+        },
+        quantity: Quantity::Force,
+    };
+    let mut loads = assembly.loads.iter();
+    let on_tool = |load: &&assembly::Load| assembly.bodies[load.body].name == TOOL;
+    let load = loads.find(|load| on_tool(load) && contains(&load.force, channel))?;
+    Some(&load.surface)
+}
+
+/// A contact that stops a body at a surface of the housing.
+pub(crate) struct StopOnHousing<'a> {
+    pub(crate) contact: &'a Contact,
+    pub(crate) surface: &'a str,
+}
+
+/// Linear contacts with named surfaces of the housing, of bodies that drive no fastener: their blows are short, so
+/// that the stiffness of the housing at the surface counts.
+pub(crate) fn stops_on_housing(assembly: &Assembly) -> Vec<StopOnHousing<'_>> {
+    let drives = |body: usize| assembly.fasteners.iter().any(|own| own.driver == body);
+    let on_tool = |base: Base| matches!(base, Base::Body(index) if assembly.bodies[index].name == TOOL);
+    let contacts = assembly.contacts.iter().enumerate();
+    let stops = contacts.filter(|(_, own)| on_tool(own.against) && !drives(own.on) && own.exponent == 1.0);
+    let on_surface = |(index, contact)| {
+        let surface = surface_of(assembly, index)?;
+        Some(StopOnHousing { contact, surface })
+    };
+    stops.filter_map(on_surface).collect()
 }
 
 /// Whether an expression contains a channel.
@@ -232,6 +266,8 @@ pub(crate) fn figure_unit(figure: &str) -> &'static str {
         "N"
     } else if figure.ends_with("_depth") {
         "m"
+    } else if figure.ends_with("_fraction") {
+        ""
     } else {
         "kg"
     }
@@ -259,7 +295,45 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
             figures.insert(format!("{}_mass", opening.name), mass);
         }
     }
+    for volume in assembly.volumes.iter().filter(|volume| volume.exhaust_path) {
+        if let Some(fraction) = choked_fraction(assembly, record, &volume.name) {
+            figures.insert(format!("{}_choked_fraction", volume.name), fraction);
+        }
+    }
     figures
+}
+
+/// Fraction of the gas that leaves a volume of the exhaust's path, to a reservoir or to the next volume of the path,
+/// while the atmosphere is below the critical fraction of the volume's pressure; the criterion of the thesis,
+/// P_a/P_1, for the N80CB. None if no gas leaves.
+fn choked_fraction(assembly: &Assembly, record: &Record, volume: &str) -> Option<f64> {
+    let pressure = record.get(&format!("{volume}.pressure"))?;
+    let atmosphere = assembly.reservoirs.iter().find(|own| own.name == "atmosphere")?;
+    let ratio = assembly.heat_capacity_ratio;
+    let critical = (2.0 / (ratio + 1.0)).powf(ratio / (ratio - 1.0));
+    let is_here = |space: Space| matches!(space, Space::Volume(index) if assembly.volumes[index].name == volume);
+    let is_further = |space: Space| match space {
+        Space::Reservoir(_) => true,
+        Space::Volume(index) => assembly.volumes[index].exhaust_path,
+    };
+    let (mut choked, mut total) = (0.0, 0.0);
+    for passage in &assembly.passages {
+        let sign = if is_here(passage.from) && is_further(passage.to) {
+            1.0
+        } else if is_here(passage.to) && is_further(passage.from) {
+            -1.0
+        } else {
+            continue;
+        };
+        let flows = record.get(&format!("{}.mass_flow", passage.name))?;
+        for (flow, pressure) in flows.iter().map(|flow| (sign * flow).max(0.0)).zip(pressure) {
+            total += flow;
+            if atmosphere.pressure < critical * pressure {
+                choked += flow;
+            }
+        }
+    }
+    (total > 0.0).then(|| choked / total)
 }
 
 /// Balances of the mass that leaves a tool for its surroundings, by name and sign: of passages from a volume to a

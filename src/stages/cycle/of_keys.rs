@@ -66,6 +66,7 @@ impl ShotRecord {
                 nose: f.nose.clone(),
                 fastener: f.penetration.clone(),
                 deepest: record.motion.nail_depth.clone(),
+                fastener_speed: None,
             }),
             checks: record.checks.clone(),
             record: EngineRecord::Keys(Box::new(record)),

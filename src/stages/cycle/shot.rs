@@ -68,6 +68,8 @@ pub struct OnWorkpiece {
     pub fastener: Vec<f64>,
     /// Deepest depth of the fastener's tip so far \[m\].
     pub deepest: Vec<f64>,
+    /// Speed of an assembly's fastener into the workpiece \[m/s\]; `None` if its resistance does not depend on speed.
+    pub fastener_speed: Option<Vec<f64>>,
 }
 
 /// The record of the engine that computed a shot.
@@ -163,7 +165,8 @@ impl ShotRecord {
 pub enum SummaryFigures {
     /// Figures of the tool described by keys.
     Keys(Box<Summary>),
-    /// Figures of an assembly, named after its blocks: `peak_BLOCK_force`, `OPENING_mass`, `BLOCK_depth`.
+    /// Figures of an assembly, named after its blocks: `peak_BLOCK_force`, `OPENING_mass`, `BLOCK_depth`,
+    /// `VOLUME_choked_fraction` of a volume of the exhaust's path.
     Assembly(BTreeMap<String, f64>),
 }
 

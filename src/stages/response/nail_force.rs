@@ -57,7 +57,7 @@ pub(super) struct Resistance {
 
 enum Curve {
     Nail(Envelope),
-    /// With the friction at full depth \[N\].
+    /// With the fraction that is friction along the shank.
     Fastener(FastenerResistance, f64),
 }
 
@@ -94,7 +94,7 @@ fn penetration(
     on: &OnWorkpiece,
 ) -> (Vec<f64>, Option<Vec<f64>>, Vec<Check>) {
     let (FastenerLaw::Nail(parameters), EngineRecord::Keys(record)) = (&driven.law, &shot.record) else {
-        return (on.fastener.clone(), None, Vec::new());
+        return (on.fastener.clone(), on.fastener_speed.clone(), Vec::new());
     };
     let speed = match parameters.wood.rate {
         RateLaw::None => None,
@@ -150,14 +150,10 @@ impl Resistance {
                 curve: Curve::Nail(parameters.penetration_envelope()),
                 length: parameters.nail.length,
             },
-            FastenerLaw::Fastener(fastener) => {
-                let resistance = FastenerResistance::of(fastener);
-                let friction = driven.friction_share * resistance.shank(fastener.length);
-                Self {
-                    curve: Curve::Fastener(resistance, friction),
-                    length: fastener.length,
-                }
-            }
+            FastenerLaw::Fastener(fastener) => Self {
+                curve: Curve::Fastener(FastenerResistance::of(fastener), driven.friction_share),
+                length: fastener.length,
+            },
         }
     }
 
@@ -166,11 +162,7 @@ impl Resistance {
     fn parts(&self, depth: f64, speed: f64) -> [f64; 3] {
         match &self.curve {
             Curve::Nail(envelope) => envelope.parts(depth, speed, envelope.usual_impact()),
-            Curve::Fastener(resistance, full_friction) => {
-                let law = resistance.shank(depth);
-                let shank = (full_friction * depth.min(self.length) / self.length).min(law);
-                [shank, law - shank, resistance.head(depth)]
-            }
+            Curve::Fastener(resistance, friction_share) => resistance.parts(depth, speed, *friction_share),
         }
     }
 

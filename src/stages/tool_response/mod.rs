@@ -58,9 +58,9 @@ pub struct ToolShot {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HousingContact {
     /// Surface of the housing.
-    pub surface: &'static str,
+    pub surface: String,
     /// Where, in words.
-    pub place: &'static str,
+    pub place: String,
     /// Its stiffness \[N/m\].
     pub stiffness: f64,
 }
@@ -203,8 +203,8 @@ impl ToolShot {
         let guided = Guided::new(body, self.gravity);
         let stiffness = |contact: &HousingContact| {
             Some(Stiffness {
-                place: contact.place.into(),
-                body: 1.0 / compliance(body, &guided.loads, axial_index(contact.surface)?),
+                place: contact.place.clone().into(),
+                body: 1.0 / compliance(body, &guided.loads, axial_index(&contact.surface)?),
                 contact: contact.stiffness,
             })
         };

@@ -103,6 +103,8 @@ pub enum Quantity {
     Force,
     /// Fastener: depth z of the tip, at least zero \[m\].
     Depth,
+    /// Fastener: z, negative while the tip is above the surface \[m\].
+    Tip,
     /// Fastener: largest z so far, at least zero \[m\].
     Deepest,
     /// Fastener: dz/dt \[m/s\].

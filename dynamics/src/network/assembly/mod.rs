@@ -23,7 +23,7 @@ pub use mechanics::{
     Body, Contact, ContactDamping, Fastener, FastenerLaw, Force, ForceLaw, Friction, Hold, Motor, Push, Seated, Spring,
     SpringLaw, Start, Stop, Weights, WoodLaw,
 };
-pub use output::{Load, Opening, PressurePatch, PressureSurface};
+pub use output::{ColumnValue, JetQuantity, Load, Marker, NamedColumn, Opening, PressurePatch, PressureSurface};
 pub use reference::{Base, BlockRef, Family, Space};
 
 /// A tool as a network of blocks.
@@ -87,6 +87,10 @@ pub struct Assembly {
     pub loads: Vec<Load>,
     /// Pressures on walls that exert no net force.
     pub pressures: Vec<PressureSurface>,
+    /// Columns under names of their own.
+    pub columns: Vec<NamedColumn>,
+    /// Markers of a measurement whose events have other names.
+    pub markers: Vec<Marker>,
 }
 
 impl Assembly {

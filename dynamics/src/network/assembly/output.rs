@@ -34,6 +34,48 @@ pub struct Load {
     pub force: Expression,
 }
 
+/// A column of the files of a shot under a name that the assembly gives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NamedColumn {
+    /// Name.
+    pub name: String,
+    /// Channel or sensor whose own column it replaces; empty for another expression.
+    pub channel: String,
+    /// Value.
+    pub value: ColumnValue,
+    /// SI unit.
+    pub unit: String,
+}
+
+/// Value of a column.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum ColumnValue {
+    /// An expression over the state.
+    Expression(Expression),
+    /// A quantity of the jet of an opening, by its index.
+    Jet(usize, JetQuantity),
+}
+
+/// Quantity of the jet of an opening.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum JetQuantity {
+    /// Pressure before the opening.
+    Pressure,
+    /// Pressure behind it.
+    BackPressure,
+    /// Stagnation temperature upstream.
+    Temperature,
+}
+
+/// Event that a marker of a measurement stands for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Marker {
+    /// Name of the marker.
+    pub name: String,
+    /// Name of the event.
+    pub event: String,
+}
+
 /// Pressures on walls of a body that exert no net force.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PressureSurface {

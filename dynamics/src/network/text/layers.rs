@@ -10,7 +10,7 @@ use super::fault::{AssemblyError, Fault};
 use super::formula::{Term, parse};
 use super::keys::standard;
 use super::named::NamedInTexts;
-use super::node::{Entry, Node, Sources, Spot, Tree, entries};
+use super::node::{Entry, FieldText, Node, Sources, Spot, Tree, entries};
 
 /// Built-in assemblies: name and text.
 pub const BUILT_IN: [(&str, &str); 9] = [
@@ -190,15 +190,22 @@ impl AssemblyText {
     /// All fields and values of keys, one per line in alphabetical order; equal for assemblies that differ only in the
     /// division into files and the order of fields.
     pub fn canonical(&self) -> String {
-        let mut lines = Vec::new();
-        self.cycle.lines("cycle", &mut lines);
-        for (path, node) in &self.values {
-            if self.declared.contains_key(path) {
-                node.lines(path, &mut lines);
-            }
-        }
+        let line = |field: FieldText| format!("{}={}\n", field.path, field.text);
+        let mut lines: Vec<String> = self.fields().into_iter().map(line).collect();
         lines.sort();
         lines.concat()
+    }
+
+    /// All fields, and the values of the keys that it declares.
+    pub fn fields(&self) -> Vec<FieldText> {
+        let mut fields = Vec::new();
+        self.cycle.fields("cycle", &mut fields);
+        for (path, node) in &self.values {
+            if self.declared.contains_key(path) {
+                node.fields(path, &mut fields);
+            }
+        }
+        fields
     }
 
     /// Adds a document as a layer, after the assembly that it is based on.

@@ -29,6 +29,7 @@ pub use fault::{AssemblyError, Change, Changes, Fault, Travels};
 pub use keys::{KeyValue, Keys};
 pub use layers::{AssemblyText, BUILT_IN, DeclaredKey, LAYOUT};
 pub use literal::Literal;
+pub use node::FieldText;
 pub use resolve::Resolved;
 pub use table::{FieldSpec, FieldType, TableSpec};
 pub use unused::Unused;

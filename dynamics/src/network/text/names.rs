@@ -108,6 +108,7 @@ pub(super) fn quantities(family: Family) -> &'static [(&'static str, Quantity)] 
         }
         Family::Fastener => &[
             ("depth", Q::Depth),
+            ("tip", Q::Tip),
             ("deepest", Q::Deepest),
             ("advance", Q::Advance),
             ("force", Q::Force),
@@ -120,7 +121,8 @@ pub(super) fn quantities(family: Family) -> &'static [(&'static str, Quantity)] 
 /// Dimension of a quantity.
 pub(super) fn dimension(quantity: Quantity) -> Dimension {
     match quantity {
-        Quantity::Travel | Quantity::Position | Quantity::Overlap | Quantity::Depth | Quantity::Deepest => LENGTH,
+        Quantity::Travel | Quantity::Position | Quantity::Overlap | Quantity::Depth => LENGTH,
+        Quantity::Tip | Quantity::Deepest => LENGTH,
         Quantity::Speed | Quantity::Velocity | Quantity::Advance => VELOCITY,
         Quantity::Acceleration => ACCELERATION,
         Quantity::MovingMass | Quantity::Mass => MASS,

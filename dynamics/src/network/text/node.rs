@@ -6,6 +6,8 @@ use nailnoise_documents::{Document, Place, found};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::formula::{Term, parse};
+
 /// Place of a value: a document by index and a span of bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spot {
@@ -39,6 +41,25 @@ pub(super) enum Tree {
     Flag(bool),
     /// A value that is not used here, described in words.
     Other(String),
+}
+
+/// A field of an assembly as its files give it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FieldText {
+    /// Full name, `cycle.passage.vent.one_way`; entries of an array by their number, from 0.
+    pub path: String,
+    /// The value as text.
+    pub text: String,
+}
+
+impl FieldText {
+    /// Its number in SI, if the text is a number with or without a unit.
+    pub fn number(&self) -> Option<f64> {
+        match parse(&self.text).ok()? {
+            Term::Number { si, .. } => Some(si),
+            _ => None,
+        }
+    }
 }
 
 impl Node {
@@ -106,27 +127,30 @@ impl Node {
         self.get("value").is_some()
     }
 
-    /// Every value under `path` as a line.
-    pub(super) fn lines(&self, path: &str, lines: &mut Vec<String>) {
-        let line = match &self.value {
+    /// Every value under `path`, with its own path.
+    pub(super) fn fields(&self, path: &str, fields: &mut Vec<FieldText>) {
+        let text = match &self.value {
             Tree::Table(entries) => {
                 for entry in entries {
-                    entry.node.lines(&format!("{path}.{}", entry.key), lines);
+                    entry.node.fields(&format!("{path}.{}", entry.key), fields);
                 }
                 return;
             }
             Tree::Array(items) => {
                 for (index, item) in items.iter().enumerate() {
-                    item.lines(&format!("{path}.{index}"), lines);
+                    item.fields(&format!("{path}.{index}"), fields);
                 }
                 return;
             }
-            Tree::Text(text) => format!("{path}={text}\n"),
-            Tree::Number(number) => format!("{path}={number:e}\n"),
-            Tree::Flag(on) => format!("{path}={on}\n"),
-            Tree::Other(words) => format!("{path}={words}\n"),
+            Tree::Text(text) => text.clone(),
+            Tree::Number(number) => format!("{number:e}"),
+            Tree::Flag(on) => on.to_string(),
+            Tree::Other(words) => words.clone(),
         };
-        lines.push(line);
+        fields.push(FieldText {
+            path: path.to_owned(),
+            text,
+        });
     }
 
     /// The value in words, for messages.

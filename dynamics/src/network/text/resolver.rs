@@ -102,7 +102,7 @@ impl<'a> Resolver<'a> {
         Ok(names)
     }
 
-    fn check_name(&self, path: &str, name: &str, spot: &Spot) -> Result<(), AssemblyError> {
+    pub(super) fn check_name(&self, path: &str, name: &str, spot: &Spot) -> Result<(), AssemblyError> {
         let first = name.starts_with(|c: char| c.is_ascii_lowercase());
         let rest = name
             .chars()

@@ -1,5 +1,6 @@
 //! The families of blocks, one module per kind.
 
+mod columns;
 mod events;
 mod fastener;
 mod gas;
@@ -65,6 +66,8 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
         openings: outputs::openings(resolver, &passages)?,
         loads: outputs::loads(resolver, &sensors)?,
         pressures: outputs::pressures(resolver, &sensors)?,
+        columns: columns::columns(resolver, &sensors)?,
+        markers: columns::markers(&top)?,
         sensors: sensors.into_iter().map(|sensor| sensor.sensor).collect(),
         reservoirs,
         bodies,

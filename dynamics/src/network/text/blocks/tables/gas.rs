@@ -98,7 +98,10 @@ pub(in crate::network::text::blocks) const VOLUME: TableSpec = TableSpec::of(
         temperature("temperature at t = 0 (that of the atmosphere)"),
         table("wall", &WALL, "heat transfer to a wall"),
         flag("isothermal", "whether the temperature is constant (false)"),
-        flag("exhaust_path", "whether the exhaust passes this volume (false)"),
+        flag(
+            "exhaust_path",
+            "whether the exhaust passes this volume: results state how much of its gas leaves choked (false)",
+        ),
     ],
 );
 

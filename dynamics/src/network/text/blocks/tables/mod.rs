@@ -162,5 +162,15 @@ pub const CYCLE: TableSpec = TableSpec::of(
             &outputs::PRESSURE,
             "for each body, spaces whose pressure acts on its walls without a net force",
         ),
+        table(
+            "columns",
+            &outputs::COLUMNS,
+            "names of columns of files, each with a channel, a sensor, a quantity of an opening or an expression",
+        ),
+        table(
+            "marker",
+            &outputs::MARKERS,
+            "events of the markers of a measurement (the events of the N80CB that the assembly has)",
+        ),
     ],
 );

@@ -35,6 +35,27 @@ pub(in crate::network::text::blocks) const OPENING: TableSpec = TableSpec::of(
 pub(in crate::network::text::blocks) const LOAD: TableSpec =
     TableSpec::open("load", &Text("an expression, as \"piston.travel\""));
 
+pub(in crate::network::text::blocks) const COLUMNS: TableSpec =
+    TableSpec::open("table of columns", &Text("an expression, as \"piston.travel\""));
+
+const EVENT_NAME: &str = "the name of an event";
+
+/// The markers that accelerometers and pressure transducers show.
+pub(in crate::network::text::blocks) const MARKERS: TableSpec = TableSpec::of(
+    "table of markers",
+    &[
+        text("t0", EVENT_NAME, "trigger"),
+        text("t3", EVENT_NAME, "block or table starts to move"),
+        text("t4", EVENT_NAME, "piston passes the transducer downwards"),
+        text("t7", EVENT_NAME, "largest acceleration of table or block"),
+        text("t8", EVENT_NAME, "pressure in the cylinder has come to rest"),
+        text("t10", EVENT_NAME, "handle is quiet"),
+        text("t11", EVENT_NAME, "piston passes the transducer upwards"),
+        text("t12", EVENT_NAME, "piston hits its stop"),
+        text("t13", EVENT_NAME, "handle is quiet for good"),
+    ],
+);
+
 const SPACE_NAME: &str = "the name of a volume or reservoir";
 
 const DIVIDED: TableSpec = TableSpec::of(
