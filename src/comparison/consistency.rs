@@ -14,8 +14,8 @@ const ROUNDING_DB: f64 = 0.02;
 /// Largest difference between a share and that of the energy \[-\].
 const ROUNDING_SHARE: f64 = 1e-3;
 
-/// Plausible ranges of numbers by the suffix of their key, the first that fits: levels \[dB\], shifts of frequencies and
-/// frequencies \[Hz\], accelerations \[g\], sound pressures \[Pa\] and areas \[m2\].
+/// Plausible ranges of numbers by the suffix of their key, the first that fits: levels \[dB\], shifts of frequencies
+/// and frequencies \[Hz\], accelerations \[g\], sound pressures \[Pa\] and areas \[m2\].
 const POSSIBLE: [(&str, [f64; 2]); 6] = [
     ("_db", [-300.0, 300.0]),
     ("shift_hz", [-1e6, 1e6]),

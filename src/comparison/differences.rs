@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 
 use nailnoise_dynamics::network::{AssemblyText, CYCLE, FieldText, FieldType};
 use nailnoise_quantities::rounded;
+use serde::Serialize;
 use serde_json::Value;
 
-use super::{Finished, InputRow, in_order};
+use super::finished::{Finished, in_order};
 use crate::wording::readable_at;
 
 /// Significant digits of the numbers in the text of a block.
@@ -15,6 +16,17 @@ const DIGITS: usize = 6;
 
 /// The assembly to which the keys of a design without one belong.
 const OF_KEYS: &str = "n80cb";
+
+/// A key, or a field or block of an assembly, whose values differ.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputRow {
+    /// Its full name.
+    pub key: String,
+    /// Unit of its values; empty if they have none.
+    pub unit: String,
+    /// Its values, those of formulas and blocks as text; null if a design does not have the key.
+    pub values: Vec<Value>,
+}
 
 /// Fields and values of a design.
 struct Subject<'a> {

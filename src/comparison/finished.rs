@@ -135,3 +135,14 @@ impl Finished {
         &self.schema
     }
 }
+
+/// All names that occur in the results, in order of first appearance.
+pub(super) fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for name in results.iter().flat_map(names) {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
+}

@@ -17,7 +17,9 @@ use crate::stages::cycle::EventWords;
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
+pub use differences::InputRow;
 pub use error::ComparisonError;
+use finished::in_order;
 pub use finished::{Finished, Input};
 
 /// Version of the layout of [`Comparison`].
@@ -60,17 +62,6 @@ pub struct Comparison {
     /// Descriptions of the events.
     #[serde(skip)]
     pub(crate) event_words: EventWords,
-}
-
-/// A key, or a field or block of an assembly, whose values differ.
-#[derive(Debug, Clone, Serialize)]
-pub struct InputRow {
-    /// Its full name.
-    pub key: String,
-    /// Unit of its values; empty if they have none.
-    pub unit: String,
-    /// Its values, those of formulas and blocks as text; null if a design does not have the key.
-    pub values: Vec<serde_json::Value>,
 }
 
 /// A number of each result.
@@ -270,17 +261,6 @@ impl Comparison {
         }
         found
     }
-}
-
-/// All names that occur in the results, in order of first appearance.
-fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> Vec<String> {
-    let mut all: Vec<String> = Vec::new();
-    for name in results.iter().flat_map(names) {
-        if !all.contains(&name) {
-            all.push(name);
-        }
-    }
-    all
 }
 
 fn source_row(source: &str, results: &[Finished]) -> SourceRow {
