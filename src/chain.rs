@@ -31,6 +31,7 @@ use crate::stages::tool_response::ToolChecks;
 use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Stored};
 use bodies::Bodies;
+pub(crate) use bodies::RecordedBody;
 pub use bodies::{BodyStages, CheckedBody, check_bodies, solved_bodies};
 pub(crate) use context::Context;
 pub(crate) use cycle::engine;
@@ -67,6 +68,8 @@ pub struct Chain {
     pub(crate) graph: Graph,
     /// Preflight checks of each body.
     pub(crate) usable: Vec<Stored<Preflight>>,
+    /// Bodies whose surfaces the design has recorded.
+    pub(crate) recorded: Vec<RecordedBody>,
     /// Start time of the run.
     pub(crate) begin: Instant,
     /// The engine of the cycle.
@@ -195,9 +198,10 @@ impl Chain {
             vibration: shot.vibration,
             end: shot.end,
             sources,
-            usable: bodies.usable.clone(),
-            structure: bodies.structure.clone(),
-            tool: bodies.tool.clone(),
+            usable: bodies.usable,
+            recorded: bodies.recorded,
+            structure: bodies.structure,
+            tool: bodies.tool,
         })
     }
 }

@@ -229,6 +229,24 @@ pub enum Error {
         /// The file given.
         path: PathBuf,
     },
+    /// Surfaces are recorded for a design.
+    #[error("`{}` is not a design: its surfaces cannot be recorded", path.display())]
+    #[diagnostic(help("name the file in a design (`body.mesh`, `workpiece.mesh`), and give the design with --body"))]
+    RecordOfMesh {
+        /// The file given.
+        path: PathBuf,
+    },
+    /// Surfaces are recorded for a body from a file.
+    #[error("a run of the design \"{design}\" solves no {body} from a file: a record of its surfaces has no effect")]
+    #[diagnostic(help("leave --record-surfaces out, or name a file in `{key}`"))]
+    RecordOfBuiltIn {
+        /// Name of the design.
+        design: String,
+        /// The body.
+        body: &'static str,
+        /// The key that names its file.
+        key: &'static str,
+    },
     /// A universal file cannot be used.
     #[error("the measured modes cannot be used")]
     Uff(#[from] nailnoise_meshes::uff::UffError),
@@ -495,6 +513,15 @@ impl Error {
         let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
         let causes: String = causes.map(|cause| format!(": {cause}")).collect();
         format!("{self}{causes}{help}")
+    }
+
+    /// The same, after file and line of the key at fault in a design.
+    pub(crate) fn in_words_with_place(&self) -> String {
+        let place = match self {
+            Self::Design(error) => error.place(),
+            _ => None,
+        };
+        place.map_or_else(String::new, |place| format!("{place}: ")) + &self.in_words()
     }
 
     /// Exit status of the command: 2 for incorrect use or input, 3 for a numerical failure.

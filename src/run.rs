@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level};
 
-use crate::chain::{Chain, Options};
+use crate::chain::{Chain, Options, RecordedBody};
 use crate::declaration;
 use crate::design::Design;
 use crate::design::inputs::{self, located};
@@ -154,10 +154,11 @@ impl Chain {
     /// Checks the requirements of a run on its bodies, before any of them is solved.
     ///
     /// # Errors
-    /// The errors of meshes, and of bodies that a run cannot use.
+    /// The errors of meshes, of bodies that a run cannot use, and of surfaces that do not agree with their records.
     pub(crate) fn check_bodies(&self) -> Result<(), Error> {
         let usable: Vec<&dyn Input<Error>> = self.usable.iter().map(|usable| usable as &dyn Input<Error>).collect();
-        self.graph.prepare(&usable)
+        self.graph.prepare(&usable)?;
+        self.recorded.iter().try_for_each(RecordedBody::check)
     }
 
     /// Every source at the microphones and at the operator's ear. `design` is the design of the chain, or one with the
@@ -196,7 +197,10 @@ impl Chain {
         let named = self.sources.iter().zip(&sounds);
         let of_sources = named.clone().map(|(own, sound)| (own.notes)(sound));
         let absent = SourceNotes {
-            shot: inputs::assembly::absent_sources(&self.engine),
+            shot: inputs::assembly::absent_sources(&self.engine)
+                .into_iter()
+                .chain(inputs::notes::idle_records(design))
+                .collect(),
             methods: Vec::new(),
         };
         let fluid_loading = named.filter_map(|(own, sound)| {

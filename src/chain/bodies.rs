@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::design::inputs;
 use crate::design::inputs::bodies::BodyInputs;
-use crate::design::{BodyModel, Carrier, Design};
+use crate::design::inputs::recorded_surfaces;
+use crate::design::{BodyModel, Carrier, Design, SurfaceOf};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::model::supports;
@@ -113,6 +114,27 @@ pub(crate) struct Bodies {
     pub(crate) tool: Option<BodyStages>,
     /// Preflight check of each body, available before any body is solved.
     pub(crate) usable: Vec<Stored<Preflight>>,
+    /// Bodies whose surfaces the design has recorded.
+    pub(crate) recorded: Vec<RecordedBody>,
+}
+
+/// A body from a file whose surfaces a design has recorded.
+pub(crate) struct RecordedBody {
+    kind: BodyKind,
+    meshed: Stored<Meshed>,
+    design: Design,
+}
+
+impl RecordedBody {
+    /// Compares the surfaces of the mesh with the records.
+    ///
+    /// # Errors
+    /// The errors of the mesh, and those of surfaces that have changed.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let meshed = self.meshed.get()?;
+        let changed = recorded_surfaces::changed(&self.design, self.kind, &meshed.imported.mesh)?;
+        Error::of_body(self.kind.name(), changed)
+    }
 }
 
 impl Bodies {
@@ -130,11 +152,24 @@ impl Bodies {
         for (kind, _) in &solved {
             usable.extend(requirements(graph, design, *kind, &solved)?);
         }
+        let of_file = |(kind, _): &&(BodyKind, BodyStages)| {
+            let records = design.recorded_surfaces.values();
+            records
+                .map(|own| own.body)
+                .any(|body| body == SurfaceOf::from(*kind) && design.is_from_file(body))
+        };
+        let recorded = solved.iter().filter(of_file).map(|(kind, stages)| RecordedBody {
+            kind: *kind,
+            meshed: stages.meshed.clone(),
+            design: design.clone(),
+        });
+        let recorded = recorded.collect();
         let (tools, structure): (Vec<_>, Vec<_>) = solved.into_iter().partition(|(kind, _)| *kind == BodyKind::Tool);
         Ok(Self {
             structure: structure.into_iter().map(|(_, stages)| stages).collect(),
             tool: tools.into_iter().next().map(|(_, stages)| stages),
             usable,
+            recorded,
         })
     }
 
@@ -217,8 +252,11 @@ pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBo
     let checked = meshed.drain(..kinds.len()).map(|(kind, meshed)| {
         let (meshed, _) = meshed?;
         let usable = requirements(&graph, design, kind, &stages)?;
-        let problem = usable.and_then(|usable| usable.get().err());
-        let problems = problem.map_or_else(Vec::new, |error| locate(error).parts());
+        let problem = usable.as_ref().and_then(|usable| usable.get().err());
+        let mut problems = problem.map_or_else(Vec::new, |error| locate(error).parts());
+        if usable.is_some() {
+            problems.extend(recorded_surfaces::changed(design, kind, &meshed.imported.mesh)?);
+        }
         Ok(CheckedBody { meshed, problems })
     });
     checked.collect()

@@ -145,13 +145,14 @@ pub(super) struct Loaded {
     pub(super) body: Option<(Arc<Meshed>, f64)>,
     /// Why the body cannot be used in a run.
     pub(super) problems: Vec<Error>,
+    /// The design, and which of its bodies it is; `None` for a mesh alone.
+    pub(super) design: Option<(Design, BodyKind)>,
 }
 
 impl Input {
     /// Reads or builds the mesh; if `for_run`, also checks whether a run can use the body.
     pub(super) fn load(&self, for_run: bool) -> Result<Loaded, Error> {
-        let is_design = self.path.extension().is_some_and(|end| end == "toml");
-        if !is_design {
+        if !self.is_design() {
             if !self.changes.set.is_empty() {
                 return Err(Error::NothingToSet {
                     path: self.path.clone(),
@@ -185,6 +186,7 @@ impl Input {
                 imported,
                 body: None,
                 problems: Vec::new(),
+                design: None,
             });
         }
         let mut design = self.changes.load(&self.path)?;
@@ -215,21 +217,20 @@ impl Input {
             imported: meshed.imported.clone(),
             body: Some((meshed, inputs::below_hz(&design, kind))),
             problems,
+            design: Some((design, kind)),
         })
     }
 
     /// The design, if no body is chosen.
     pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
-        let is_design = self.path.extension().is_some_and(|end| end == "toml");
-        (is_design && self.body.is_none())
+        (self.is_design() && self.body.is_none())
             .then(|| self.changes.load_without_ranges(&self.path))
             .transpose()
     }
 
     /// The assembly of a file with a table `[cycle]`, if no body is chosen.
     pub(super) fn assembled(&self) -> Result<Option<AssembledTool>, Error> {
-        let is_design = self.path.extension().is_some_and(|end| end == "toml");
-        if !is_design || self.body.is_some() {
+        if !self.is_design() || self.body.is_some() {
             return Ok(None);
         }
         AssembledTool::load(&self.path, &self.changes.set)
@@ -243,6 +244,11 @@ impl Input {
     /// Memory limit of the command.
     pub(super) fn memory(&self) -> MemoryLimit {
         self.memory.limit()
+    }
+
+    /// Whether the file given is a design.
+    pub(super) fn is_design(&self) -> bool {
+        self.path.extension().is_some_and(|end| end == "toml")
     }
 
     /// The file given.

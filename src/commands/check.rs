@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use nailnoise_fem::{ModalCost, ShortestWave, wall_thicknesses};
-use nailnoise_meshes::{Mesh, Quality, Surface};
+use nailnoise_meshes::{Mesh, Quality};
 use serde::Serialize;
 
 use super::table::numbers;
-use super::{Shown, Status, bodies::Input, print_json, warn};
+use super::{Shown, Status, bodies::Input, print_json, surface_records, warn};
 use crate::design::inputs;
+use crate::design::inputs::recorded_surfaces::{SurfaceMeasure, rounded};
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
 use crate::tables::fixed;
@@ -20,6 +21,8 @@ use crate::units::Units;
 #[command(after_help = examples!(
     "nailnoise check my-tool.toml" => "whether it runs and drives, what is missing, and what to measure first",
     "nailnoise check my-tool.toml --body tool" => "the mesh of a body: quality, surfaces, missing inputs of a run",
+    "nailnoise check my-tool.toml --body tool --record-surfaces tool-surfaces.toml" =>
+        "records the surfaces of a body from a file, so that a changed file is refused",
     "nailnoise check my-tool.toml --drawing tool.svg" => "which key is which length: the tool drawn to scale",
     "nailnoise check housing.msh" => "a mesh of your own",
 ))]
@@ -40,6 +43,10 @@ pub(super) struct Arguments {
     /// minutes
     #[arg(long, conflicts_with = "body")]
     effects: bool,
+    /// Write area, centre and mean normal of the body's surfaces to a new TOML file. Appended to the design, a changed
+    /// file whose surfaces have moved is refused
+    #[arg(long, value_name = "FILE", requires = "body")]
+    record_surfaces: Option<PathBuf>,
 }
 
 /// Layout of `check --json`.
@@ -60,6 +67,8 @@ struct CheckResult {
     faults: Vec<String>,
     /// Warnings for the user.
     warnings: Vec<String>,
+    /// File to which the surfaces were recorded.
+    recorded: Option<PathBuf>,
     /// Mass including lumped masses \[kg\]; none without a design.
     mass: Option<f64>,
     cost: Option<ModalCost>,
@@ -82,6 +91,8 @@ struct Group {
     area: f64,
     /// Centroid \[m\].
     centre: Option<[f64; 3]>,
+    /// Integral of the outward unit normal over the surface, divided by the area.
+    normal: Option<[f64; 3]>,
     /// Origin of its name: the file, the design, or a guess from its shape.
     origin: &'static str,
 }
@@ -119,10 +130,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         };
         return super::explain::execute(&design, &asked);
     }
+    if let Some(path) = &arguments.record_surfaces {
+        surface_records::refuse(path, &arguments.input)?;
+    }
     let loaded = arguments.input.load(true)?;
     let mesh = &loaded.imported.mesh;
     let quality = mesh.quality()?;
-    let skin = Surface::of(mesh);
+    let measures = SurfaceMeasure::of_mesh(mesh)?;
     let number = |element: usize| {
         loaded
             .imported
@@ -150,13 +164,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .groups
         .iter()
         .map(|group| {
-            let patch = skin.patch(&group.name).ok();
+            let measure = measures.iter().find(|measure| measure.name == group.name);
             let found = body.and_then(|(meshed, _)| meshed.surfaces.iter().find(|found| found.name == group.name));
             Group {
                 name: group.name.clone(),
                 faces: group.faces.len(),
-                area: patch.map_or(0.0, |patch| skin.patch_area(patch)),
-                centre: patch.and_then(|patch| skin.patch_centre(patch)).map(Into::into),
+                area: measure.map_or(0.0, |measure| measure.area),
+                centre: measure.map(|measure| measure.centre.into()),
+                normal: measure.map(|measure| measure.normal.into()),
                 origin: found.map_or("file", |found| match found.origin {
                     Origin::Design => "design",
                     Origin::Guess => "guess",
@@ -174,8 +189,18 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         loaded.imported.unused_nodes,
         ties > 0 || !loaded.problems.is_empty(),
     );
-    faults.extend(loaded.problems.iter().map(Error::in_words));
+    faults.extend(loaded.problems.iter().map(Error::in_words_with_place));
     warnings.extend(loaded.imported.notes.iter().cloned());
+    if let Some((design, kind)) = &loaded.design {
+        warnings.extend(surface_records::idle(design, *kind));
+    }
+    let recorded = match (&arguments.record_surfaces, &loaded.design) {
+        (Some(path), Some((design, kind))) => {
+            surface_records::write(path, design, *kind, &measures)?;
+            Some(path.clone())
+        }
+        _ => None,
+    };
     let result = CheckResult {
         schema: "nailnoise-check/1",
         nodes: mesh.nodes.len(),
@@ -187,6 +212,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         groups,
         faults,
         warnings,
+        recorded,
         mass: body.map(|(meshed, _)| meshed.mass()).transpose()?,
         cost: body
             .map(|(meshed, hz)| ModalCost::estimate(mesh, &meshed.materials, &quality, *hz))
@@ -356,23 +382,24 @@ fn text(name: &str, result: &CheckResult, units: Units) -> String {
                 group.name.clone(),
                 group.faces.to_string(),
                 format!("{:.1}", group.area * 1e4),
-                group.centre.map_or_else(
-                    || "-".to_owned(),
-                    |centre| {
-                        let [x, y, z] = centre.map(|c| 1e3 * c);
-                        format!("({x:.1}, {y:.1}, {z:.1})")
-                    },
-                ),
+                vector(group.centre.map(|centre| centre.map(|c| 1e3 * c)), 1),
+                vector(group.normal, 2),
                 group.origin.to_owned(),
             ]
         })
         .collect();
     text.push('\n');
     text.push_str(&numbers(
-        &["surface", "faces", "cm2", "centre mm", "named by"],
+        &["surface", "faces", "cm2", "centre mm", "mean normal", "named by"],
         &rows,
         units,
     ));
+    if let Some(path) = &result.recorded {
+        text.push_str(&format!(
+            "\n  surfaces recorded in {}: append it to the design, in place of earlier records of this body\n",
+            path.display()
+        ));
+    }
     for fault in &result.faults {
         text.push_str(&format!("\n  fault: {fault}"));
     }
@@ -383,4 +410,15 @@ fn text(name: &str, result: &CheckResult, units: Units) -> String {
         text.push('\n');
     }
     text
+}
+
+/// A vector with this number of decimals.
+fn vector(vector: Option<[f64; 3]>, decimals: usize) -> String {
+    vector.map_or_else(
+        || "-".to_owned(),
+        |vector| {
+            let [x, y, z] = vector.map(|c| format!("{:.decimals$}", rounded(c, decimals)));
+            format!("({x}, {y}, {z})")
+        },
+    )
 }

@@ -297,8 +297,10 @@ fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
             _ => false,
         };
         let number = serde_json::to_value(&entry.value).is_ok_and(|value| value.is_number());
-        // Positions of surfaces and analysis settings are choices instead of uncertain quantities.
-        let place = entry.key.starts_with("surfaces.") || entry.key.starts_with("analysis.");
+        // Positions and records of surfaces and analysis settings are choices instead of uncertain quantities.
+        let place = ["surfaces.", "recorded_surfaces.", "analysis."]
+            .iter()
+            .any(|group| entry.key.starts_with(group));
         unsure && number && !place && entry.range.is_none()
     };
     let open: Vec<String> = entries.iter().filter(open).map(|entry| entry.key.clone()).collect();

@@ -51,6 +51,7 @@ mod status;
 mod structures;
 mod study;
 mod study_text;
+mod surface_records;
 mod sweep;
 mod table;
 mod test;

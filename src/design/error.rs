@@ -12,6 +12,7 @@ use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Dimension, UnitError};
 
 use super::conflict::Conflict;
+use super::recorded_surfaces::RecordedSurfaceProblem;
 use super::sensors::SensorProblem;
 use super::show::show;
 use super::springs::Sprung;
@@ -330,6 +331,14 @@ pub enum Problem {
         /// The fault of the surface.
         problem: SurfaceProblem,
     },
+    /// The mesh of a body does not agree with a recorded surface.
+    #[error("`recorded_surfaces.{name}` {problem}")]
+    RecordedSurface {
+        /// Name of the record.
+        name: String,
+        /// The fault.
+        problem: RecordedSurfaceProblem,
+    },
     /// The cap cannot be separated from the rest of the tool body, although its outer side counts towards the exhaust,
     /// or differs from the rest by its cover.
     #[error("{} of {} panels of the tool's outline are its cap, which is set apart here", panels[0], panels[1])]
@@ -509,6 +518,7 @@ impl Problem {
                 format!("{}, or allow more with --memory", remedies.join(" or "))
             }
             Self::Surface { problem, .. } => problem.remedy(),
+            Self::RecordedSurface { problem, .. } => problem.remedy(),
             Self::Cap {
                 surface: Some(name), ..
             } => format!(
@@ -625,6 +635,7 @@ impl Problem {
             Self::NoVolume { .. } => ["no_volume", "unknown volume"],
             Self::TooCostly { .. } => ["too_costly", "too costly"],
             Self::Surface { .. } => ["surface", "of this surface"],
+            Self::RecordedSurface { .. } => ["recorded_surface", "recorded here"],
             Self::Cap { .. } => ["cap", "the convention"],
             Self::Spring { .. } => ["spring", "of this spring"],
             Self::WrongKind { .. } => ["wrong_kind", "wrong type"],

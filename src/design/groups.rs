@@ -15,6 +15,7 @@ use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegat
 
 use super::catalogue::{NailKind, Species, WorktablePreset};
 use super::octaves::Octaves;
+use super::recorded_surfaces::RecordedSurface;
 use super::sensors::Sensor;
 use super::springs::Spring;
 use super::surfaces::NamedSurface;
@@ -49,6 +50,7 @@ group! {
         sensors: Sensor,
         springs: Spring,
         surfaces: NamedSurface,
+        recorded_surfaces: RecordedSurface,
         transducers: Transducer,
     }
 }

@@ -1,6 +1,7 @@
 //! Values derived from the sensors, springs and surfaces of a design.
 
 use super::groups::{BodyModel, Values};
+use super::recorded_surfaces::{RecordedSurface, RecordedSurfaceProblem};
 use super::sensors::SensorProblem;
 use super::springs::Sprung;
 use super::surfaces::{NamedSurface, SurfaceOf, SurfaceProblem};
@@ -30,15 +31,28 @@ impl Values {
         })
     }
 
+    /// Whether a run solves this body with a mesh from a file.
+    pub(crate) fn is_from_file(&self, body: SurfaceOf) -> bool {
+        match body {
+            SurfaceOf::Workpiece => !self.workpiece.mesh.is_empty(),
+            SurfaceOf::Worktable => self.has(Sprung::Worktable) && !self.support.worktable.mesh.is_empty(),
+            SurfaceOf::Tool => self.body.model != BodyModel::Rigid && !self.body.mesh.is_empty(),
+        }
+    }
+
     /// Names of the surfaces whose body is built in or absent, so that they have no effect.
     pub(crate) fn idle_surfaces(&self) -> Vec<&str> {
-        let idle = |surface: &NamedSurface| match surface.body {
-            SurfaceOf::Workpiece => self.workpiece.mesh.is_empty(),
-            SurfaceOf::Worktable => !self.has(Sprung::Worktable) || self.support.worktable.mesh.is_empty(),
-            SurfaceOf::Tool => self.body.model == BodyModel::Rigid || self.body.mesh.is_empty(),
-        };
-        let idle = self.surfaces.iter().filter(|(_, surface)| idle(surface));
+        let idle = self.surfaces.iter().filter(|(_, own)| !self.is_from_file(own.body));
         idle.map(|(name, _)| name.as_str()).collect()
+    }
+
+    /// Names of the records of surfaces whose body is built in or absent, so that they have no effect.
+    pub(crate) fn idle_records(&self) -> impl Iterator<Item = (&str, SurfaceOf)> {
+        let idle = self
+            .recorded_surfaces
+            .iter()
+            .filter(|(_, own)| !self.is_from_file(own.body));
+        idle.map(|(name, own)| (name.as_str(), own.body))
     }
 
     /// The first surface that does not belong to its body, with its name.
@@ -47,6 +61,14 @@ impl Values {
         let (name, own) = self.surfaces.iter().find(|(_, own)| other(own))?;
         let NamedSurface { body, surface, .. } = *own;
         Some((name, SurfaceProblem::OfOtherBody { surface, body }))
+    }
+
+    /// The first record of a surface that does not belong to its body, with its name.
+    pub(crate) fn record_problem(&self) -> Option<(&str, RecordedSurfaceProblem)> {
+        let other = |own: &RecordedSurface| !own.body.surfaces().contains(&own.surface);
+        let (name, own) = self.recorded_surfaces.iter().find(|(_, own)| other(own))?;
+        let RecordedSurface { body, surface, .. } = *own;
+        Some((name, RecordedSurfaceProblem::OfOtherBody { surface, body }))
     }
 
     /// The first sensor with conflicting values, with its name.

@@ -35,6 +35,7 @@ mod migration;
 mod octaves;
 mod provenance;
 mod range;
+mod recorded_surfaces;
 mod reference;
 mod renamed;
 mod report;
@@ -80,6 +81,7 @@ pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Name, Sign, 
 pub use octaves::Octaves;
 pub use provenance::Provenance;
 pub use range::RangeOrigin;
+pub use recorded_surfaces::{RecordedSurface, RecordedSurfaceProblem, SurfaceChange};
 pub use reference::reference;
 pub use report::ReportSettings;
 pub use sensors::{Carrier, Sensor, SensorProblem};
@@ -476,6 +478,11 @@ impl Design {
     /// The error that the place of a surface of this design is wrong.
     pub(crate) fn refuse_surface(&self, name: &str, problem: SurfaceProblem) -> DesignError {
         resolve::surface(name, problem, &self.records)
+    }
+
+    /// The error that the mesh of a body does not agree with the record of a surface of this design.
+    pub(crate) fn refuse_record(&self, name: &str, problem: RecordedSurfaceProblem) -> DesignError {
+        resolve::recorded_surface(name, problem, &self.records)
     }
 
     /// Every key with its value in a readable unit, in the order of the reference. A file name is followed by part of

@@ -16,6 +16,7 @@ use super::groups::Values;
 use super::merged::Merged;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, RangeOrigin, Ranged, includes, inherited};
+use super::recorded_surfaces::RecordedSurfaceProblem;
 use super::renamed::old_keys;
 use super::report::ReportSettings;
 use super::sensors::SensorProblem;
@@ -125,6 +126,9 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     }
     if let Some((name, problem)) = values.surface_problem() {
         return Err(surface(name, problem, &records));
+    }
+    if let Some((name, problem)) = values.record_problem() {
+        return Err(recorded_surface(name, problem, &records));
     }
     warnings.extend(outside_range(&values, &records));
     warnings.extend(exhaust_max_frequency(&values, &records));
@@ -412,6 +416,13 @@ pub(crate) fn surface(name: &str, problem: SurfaceProblem, records: &Records) ->
     let at = last_set("surfaces", name, problem.keys(), records);
     let name = name.to_owned();
     Problem::Surface { name, problem }.at(at)
+}
+
+/// The fault in the record of a surface, reported at the key at fault that was set last.
+pub(crate) fn recorded_surface(name: &str, problem: RecordedSurfaceProblem, records: &Records) -> DesignError {
+    let at = last_set("recorded_surfaces", name, &problem.keys(), records);
+    let name = name.to_owned();
+    Problem::RecordedSurface { name, problem }.at(at)
 }
 
 /// The error that a spring is not on its body, reported at the key of its place that was set last.

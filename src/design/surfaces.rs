@@ -4,6 +4,7 @@ use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{any, choice, component, group, nonnegative};
 
 use super::show::mm;
+use crate::stages::bodies::BodyKind;
 
 choice! {
     /// The body from a file whose surface it is.
@@ -144,6 +145,22 @@ impl SurfaceOf {
             ],
         }
     }
+
+    /// The same in words.
+    pub(crate) fn known_surfaces(self) -> String {
+        let known: Vec<&str> = self.surfaces().iter().map(|surface| surface.as_str()).collect();
+        format!("surfaces of the {} are {}", self.as_str(), known.join(", "))
+    }
+}
+
+impl From<BodyKind> for SurfaceOf {
+    fn from(kind: BodyKind) -> Self {
+        match kind {
+            BodyKind::Workpiece => Self::Workpiece,
+            BodyKind::Worktable => Self::Worktable,
+            BodyKind::Tool => Self::Tool,
+        }
+    }
 }
 
 impl SurfaceProblem {
@@ -159,10 +176,7 @@ impl SurfaceProblem {
     /// The remedy.
     pub(crate) fn remedy(&self) -> String {
         match self {
-            Self::OfOtherBody { body, .. } => {
-                let known: Vec<&str> = body.surfaces().iter().map(|surface| surface.as_str()).collect();
-                format!("surfaces of the {} are {}", body.as_str(), known.join(", "))
-            }
+            Self::OfOtherBody { body, .. } => body.known_surfaces(),
             Self::Outside { .. } | Self::NoFace { .. } => {
                 "move x, y and z onto the face, with along_x, along_y and along_z out of the body there, or all three \
                  0; \

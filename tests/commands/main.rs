@@ -29,6 +29,7 @@ mod run;
 mod scene;
 mod structures;
 mod study;
+mod surface_records;
 mod sweep;
 mod units;
 mod verify;

@@ -243,11 +243,7 @@ fn extent(design: &Design, kind: BodyKind) -> Extent {
 
 /// How the surfaces of a body from a file are named.
 fn naming(design: &Design, kind: BodyKind) -> Naming {
-    let of = match kind {
-        BodyKind::Workpiece => SurfaceOf::Workpiece,
-        BodyKind::Worktable => SurfaceOf::Worktable,
-        BodyKind::Tool => SurfaceOf::Tool,
-    };
+    let of = SurfaceOf::from(kind);
     let place = |(entry, place): (&String, &NamedSurface)| {
         let along = [place.along_x, place.along_y, place.along_z];
         SurfacePlace {

@@ -12,6 +12,7 @@ pub(crate) mod exports;
 pub(crate) mod microphones;
 pub(crate) mod notes;
 pub(crate) mod radiation;
+pub(crate) mod recorded_surfaces;
 pub(crate) mod reference_structures;
 pub(crate) mod response;
 pub(crate) mod sensors;

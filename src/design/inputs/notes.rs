@@ -32,6 +32,20 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
     ))
 }
 
+/// Records of surfaces without effect; `None` if there are none.
+pub(crate) fn idle_records(design: &Design) -> Option<String> {
+    let names: Vec<String> = design
+        .idle_records()
+        .map(|(name, _)| format!("recorded_surfaces.{name}"))
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "records of surfaces without effect, because their body is built in or absent: {}",
+            names.join(", ")
+        )
+    })
+}
+
 /// How the shot of an assembly ended.
 pub(crate) fn outcome_of_assembly(shot: &ShotRecord) -> String {
     let figures = |end: &str| match &shot.figures {
