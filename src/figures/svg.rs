@@ -183,7 +183,11 @@ impl Place {
                 Shape::Dashed => { (sample("dashed", &colour, x, y)) }
                 Shape::Points => { (stroke("dots", &colour, &format!("M{} {y}h0", x + 0.5 * SAMPLE))) }
                 shape => {
-                    @let class = if matches!(shape, Shape::Band(_) | Shape::Whiskers(_)) { "pale" } else { "area" };
+                    @let class = match shape {
+                        Shape::Band(_) => "band",
+                        Shape::Whiskers(_) => "pale",
+                        _ => "area",
+                    };
                     (stroke(class, &colour, &format!("M{x} {}h{SAMPLE}v{}h-{SAMPLE}z", y - MM, 2.0 * MM)))
                 }
             }
@@ -309,6 +313,8 @@ fn stroke(class: &str, colour: &str, d: &str) -> Markup {
     match class {
         "area" => html! { path fill=(colour) d=(d) {} },
         "pale" => html! { path fill=(colour) fill-opacity="0.4" d=(d) {} },
+        // Bands of several series lie on each other.
+        "band" => html! { path fill=(colour) fill-opacity="0.2" d=(d) {} },
         "broad" => line(20, None, Some("butt")),
         "dashed" => line(5, Some("24 16"), Some("butt")),
         "dots" => line(18, None, None),

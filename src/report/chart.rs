@@ -89,12 +89,18 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
     }
 }
 
-/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Error bars lie on the bars of
-/// all series.
+/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Bands lie below the lines and
+/// error bars on the bars of all series.
 fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
-    let errors = |(_, own): &(usize, &Series)| matches!(own.shape, Shape::Errors(_));
-    let series = || panel.series.iter().enumerate().rev();
-    series().filter(move |own| !errors(own)).chain(series().filter(errors))
+    let layer = |(_, own): &(usize, &Series)| match own.shape {
+        Shape::Band(_) => 0,
+        Shape::Errors(_) => 2,
+        _ => 1,
+    };
+    (0..3).flat_map(move |place| {
+        let series = panel.series.iter().enumerate().rev();
+        series.filter(move |own| layer(own) == place)
+    })
 }
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {

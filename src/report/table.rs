@@ -31,7 +31,7 @@ fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
     let key = column.content == Content::Keys;
     html! {
         @if key && place == 0 { th.key-name scope="row" { (cell.text)
-            @if !cell.spread.is_empty() { br; span.meaning { (with_subscripts(&cell.spread)) } }
+            @if !cell.spread.is_empty() { br; span.meaning { (with_code(&cell.spread)) } }
         } }
         @else if key { td.key-name { (cell.text) } }
         @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
@@ -53,7 +53,7 @@ pub(super) fn content(cell: &Cell) -> Markup {
             }
         } @else if let Some(file) = &cell.opens { a href=(file) { (text) }
         } @else if cell.strong { b { (text) } } @else { (text) }
-        @if !cell.spread.is_empty() { " " span.quiet { (with_subscripts(&cell.spread)) } }
+        @if !cell.spread.is_empty() { " " span.quiet { (with_code(&cell.spread)) } }
     }
 }
 

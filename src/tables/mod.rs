@@ -195,9 +195,15 @@ pub(crate) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> Stri
     value.map_or_else(|| "-".to_owned(), words)
 }
 
-/// A number with a fixed number of decimals; a dash for `None`.
+/// A number with a fixed number of decimals, without a sign if it rounds to zero; a dash for `None`.
 pub(crate) fn fixed(value: Option<f64>, decimals: usize) -> String {
-    dash(value, |value| format!("{value:.decimals$}"))
+    dash(value, |value| {
+        let text = format!("{value:.decimals$}");
+        match text.strip_prefix('-') {
+            Some(zero) if !zero.contains(|letter| ('1'..='9').contains(&letter)) => zero.to_owned(),
+            _ => text,
+        }
+    })
 }
 
 /// A level in dB with one decimal; a silent source shows a dash.
