@@ -35,6 +35,22 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
+impl Panel {
+    /// Series with their places in drawing order: the last one is drawn on top, and it is the first of the panel. Bands
+    /// lie below the lines and error bars on the bars of all series.
+    pub(crate) fn in_order(&self) -> impl Iterator<Item = (usize, &Series)> {
+        let layer = |own: &Series| match own.shape {
+            Shape::Band(_) => 0,
+            Shape::Errors(_) => 2,
+            _ => 1,
+        };
+        (0..3).flat_map(move |place| {
+            let series = self.series.iter().enumerate().rev();
+            series.filter(move |(_, own)| layer(own) == place)
+        })
+    }
+}
+
 /// A linear axis, or one of categories.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {

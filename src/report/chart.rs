@@ -79,7 +79,7 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
                     svg viewBox={ "0 0 " (FRAME.across) " " (FRAME.up) } preserveAspectRatio="none" aria-hidden="true" {
                         path.grid d=(grid(&ys)) {}
                         @if !events.is_empty() { path.moments d=(moments(&events)) {} }
-                        @for (place, own) in in_order(panel) { (series(panel, place, own)) }
+                        @for (place, own) in panel.in_order() { (series(panel, place, own)) }
                     }
                 }
                 div.xs aria-hidden="true" { (labels(&xs, "left")) }
@@ -87,20 +87,6 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
             p.axis.below { (with_subscripts(&panel.x.title())) }
         }
     }
-}
-
-/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Bands lie below the lines and
-/// error bars on the bars of all series.
-fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
-    let layer = |(_, own): &(usize, &Series)| match own.shape {
-        Shape::Band(_) => 0,
-        Shape::Errors(_) => 2,
-        _ => 1,
-    };
-    (0..3).flat_map(move |place| {
-        let series = panel.series.iter().enumerate().rev();
-        series.filter(move |own| layer(own) == place)
-    })
 }
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {

@@ -11,6 +11,9 @@ use crate::declaration::{Finished, Use};
 /// Names of the parts in links.
 const LINKS: [&str; 4] = ["values", "use", "conditions", "basis"];
 
+/// Conditions in one of the tables beside each other.
+const CONDITIONS: usize = 5;
+
 /// The page, in metric units.
 pub(in super::super) fn page(of: &Finished, usage: Use) -> Page {
     let sheet = Sheet::new(of, usage);
@@ -46,9 +49,9 @@ fn in_use(sheet: &Sheet) -> Markup {
 
 fn conditions(sheet: &Sheet) -> Markup {
     html! {
-        table.facts {
-            @for (name, value) in &sheet.conditions { tr { th scope="row" { (name) } td { (typeset(value)) } } }
-        }
+        div.columns { @for some in sheet.conditions.chunks(CONDITIONS) {
+            table.facts { @for (name, value) in some { tr { th scope="row" { (name) } td { (typeset(value)) } } } }
+        } }
     }
 }
 
@@ -58,7 +61,7 @@ fn basis(sheet: &Sheet) -> Markup {
             @for line in sheet.basis { li { (with_subscripts(line)) } }
             li { (sheet.program) "; " (DIGEST) ": " span.digest { (sheet.digest) } }
         }
-        table.facts {
+        table.facts.by-hand {
             @for field in sheet.signature { tr { th scope="row" { (field) } td { ("\u{2026}".repeat(8)) } } }
         }
     }
