@@ -14,6 +14,9 @@ const LINKS: [&str; 4] = ["values", "use", "conditions", "basis"];
 /// Conditions in one of the tables beside each other.
 const CONDITIONS: usize = 5;
 
+/// Fields to be filled in by hand, likewise.
+const FIELDS: usize = 2;
+
 /// The page, in metric units.
 pub(in super::super) fn page(of: &Finished, usage: Use) -> Page {
     let sheet = Sheet::new(of, usage);
@@ -61,8 +64,10 @@ fn basis(sheet: &Sheet) -> Markup {
             @for line in sheet.basis { li { (with_subscripts(line)) } }
             li { (sheet.program) "; " (DIGEST) ": " span.digest { (sheet.digest) } }
         }
-        table.facts.by-hand {
-            @for field in sheet.signature { tr { th scope="row" { (field) } td { ("\u{2026}".repeat(8)) } } }
-        }
+        div.columns { @for some in sheet.signature.chunks(FIELDS) {
+            table.facts.by-hand {
+                @for field in some { tr { th scope="row" { (field) } td { ("\u{2026}".repeat(12)) } } }
+            }
+        } }
     }
 }
