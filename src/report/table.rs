@@ -54,7 +54,9 @@ fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
         } }
         @else if key { td.key-name { (cell.text) } }
         @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
-        @else if column.content == Content::Numbers { td.n.list[cell.text.chars().count() > NUMBER] { (content(cell)) } }
+        @else if column.content == Content::Numbers {
+            td.n.list[cell.text.chars().count() > NUMBER] { (content(cell)) }
+        }
         @else { td.short[cell.text.chars().count() <= SHORT] { (content(cell)) } }
     }
 }
