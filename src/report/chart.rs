@@ -10,7 +10,7 @@ use super::legend::legend;
 use super::typography::with_subscripts;
 use crate::figures::path::Frame;
 use crate::figures::ticks::{Tick, across, rows, upwards};
-use crate::figures::{Chart, Event, PALETTE, Panel, Series, Shape, hexadecimal, subscripts};
+use crate::figures::{Chart, Event, PALETTE, Panel, Series, hexadecimal, subscripts};
 
 /// Box of the coordinates of a plot.
 const FRAME: Frame = Frame {
