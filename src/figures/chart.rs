@@ -302,6 +302,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn bands_lie_below_all_lines() {
+        let series = |shape| Series::over("", 0, shape, [Some(0.0)]);
+        let panel = Panel {
+            x: Axis::new("", "", [0.0, 1.0]),
+            y: Axis::new("", "", [0.0, 1.0]),
+            height: 10,
+            series: vec![
+                series(Shape::Line),
+                series(Shape::Band(vec![0.0])),
+                series(Shape::Errors(vec![[0.0; 2]])),
+                series(Shape::Line),
+            ],
+        };
+        let order: Vec<usize> = panel.in_order().map(|(place, _)| place).collect();
+        assert_eq!(order, [1, 3, 0, 2]);
+    }
+
+    #[test]
     fn a_spike_of_one_sample_stays() {
         let mut y = vec![0.0; 20_000];
         y[12_345] = 7.0;

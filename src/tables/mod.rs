@@ -210,3 +210,15 @@ pub(crate) fn fixed(value: Option<f64>, decimals: usize) -> String {
 pub(crate) fn decibels(level: Option<f64>) -> String {
     fixed(level, 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_rounds_to_zero_has_no_sign() {
+        let shown = [-0.04, -0.05, 0.0, -1.0].map(|value| fixed(Some(value), 1));
+        assert_eq!(shown, ["0.0", "-0.1", "0.0", "-1.0"]);
+        assert_eq!(fixed(Some(-0.4), 0), "0");
+    }
+}
