@@ -200,7 +200,7 @@ pub(crate) fn fixed(value: Option<f64>, decimals: usize) -> String {
     dash(value, |value| {
         let text = format!("{value:.decimals$}");
         match text.strip_prefix('-') {
-            Some(zero) if !zero.contains(|letter| ('1'..='9').contains(&letter)) => zero.to_owned(),
+            Some(zero) if zero.chars().all(|letter| matches!(letter, '0' | '.')) => zero.to_owned(),
             _ => text,
         }
     })
