@@ -46,13 +46,13 @@ pub(super) fn labels(design: &Design) -> BTreeMap<String, Label> {
         } else {
             format!("{}: {}", entry.provenance.as_str(), entry.source)
         };
-        // A title is plain text: it has no form for code.
-        let description = descriptions.get(&entry.key).map(|text| text.replace('`', ""));
-        let description = description.unwrap_or_default();
+        let description = descriptions.get(&entry.key).cloned().unwrap_or_default();
         let title = format!(
             "{} = {value}. {description} {source}{range} ({}, line {})",
             entry.key, entry.file, entry.line
         );
+        // A title is plain text: it has no form for code.
+        let title = title.replace('`', "");
         let inherited = based && !is_own(&entry);
         let label = Label {
             key: entry.key.clone(),
