@@ -51,6 +51,8 @@ pub(super) fn labels(design: &Design) -> BTreeMap<String, Label> {
             "{} = {value}. {description} {source}{range} ({}, line {})",
             entry.key, entry.file, entry.line
         );
+        // A title is plain text: it has no form for code.
+        let title = title.replace('`', "");
         let inherited = based && !is_own(&entry);
         let label = Label {
             key: entry.key.clone(),

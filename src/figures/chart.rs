@@ -35,6 +35,22 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
+impl Panel {
+    /// Series with their places in drawing order: the last one is drawn on top, and it is the first of the panel. Bands
+    /// lie below the lines and error bars on the bars of all series.
+    pub(crate) fn in_order(&self) -> impl Iterator<Item = (usize, &Series)> {
+        let layer = |own: &Series| match own.shape {
+            Shape::Band(_) => 0,
+            Shape::Errors(_) => 2,
+            _ => 1,
+        };
+        (0..3).flat_map(move |place| {
+            let series = self.series.iter().enumerate().rev();
+            series.filter(move |(_, own)| layer(own) == place)
+        })
+    }
+}
+
 /// A linear axis, or one of categories.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -284,6 +300,24 @@ fn thin(y: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bands_lie_below_all_lines() {
+        let series = |shape| Series::over("", 0, shape, [Some(0.0)]);
+        let panel = Panel {
+            x: Axis::new("", "", [0.0, 1.0]),
+            y: Axis::new("", "", [0.0, 1.0]),
+            height: 10,
+            series: vec![
+                series(Shape::Line),
+                series(Shape::Band(vec![0.0])),
+                series(Shape::Errors(vec![[0.0; 2]])),
+                series(Shape::Line),
+            ],
+        };
+        let order: Vec<usize> = panel.in_order().map(|(place, _)| place).collect();
+        assert_eq!(order, [1, 3, 0, 2]);
+    }
 
     #[test]
     fn a_spike_of_one_sample_stays() {

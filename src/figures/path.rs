@@ -43,7 +43,7 @@ impl Frame {
             Shape::Band(lower) => {
                 let back = series.x.iter().copied().zip(lower.iter().copied()).rev();
                 let all = points().chain(back).filter(|(_, y)| y.is_finite());
-                vec![("pale", format!("{}z", line(all.map(|(x, y)| Some(at(x, y))))))]
+                vec![("spread", format!("{}z", line(all.map(|(x, y)| Some(at(x, y))))))]
             }
             Shape::Bars(marks) => {
                 let floor = panel.y.range[0];

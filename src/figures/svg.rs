@@ -139,7 +139,7 @@ impl Place {
                     path stroke=(PALE) stroke-width="2" d=(upright(events.iter().map(|(_, at)| *at), self.frame)) {}
                 }
                 @if of_rows { (self.rows(panel)) }
-                @else { @for (place, own) in panel.series.iter().enumerate().rev() {
+                @else { @for (place, own) in panel.in_order() {
                     @for (class, d) in self.frame.paths(panel, place, own) {
                         (stroke(class, &hexadecimal(own.colour), &d))
                     }
@@ -183,7 +183,11 @@ impl Place {
                 Shape::Dashed => { (sample("dashed", &colour, x, y)) }
                 Shape::Points => { (stroke("dots", &colour, &format!("M{} {y}h0", x + 0.5 * SAMPLE))) }
                 shape => {
-                    @let class = if matches!(shape, Shape::Band(_) | Shape::Whiskers(_)) { "pale" } else { "area" };
+                    @let class = match shape {
+                        Shape::Band(_) => "spread",
+                        Shape::Whiskers(_) => "pale",
+                        _ => "area",
+                    };
                     (stroke(class, &colour, &format!("M{x} {}h{SAMPLE}v{}h-{SAMPLE}z", y - MM, 2.0 * MM)))
                 }
             }
@@ -309,6 +313,8 @@ fn stroke(class: &str, colour: &str, d: &str) -> Markup {
     match class {
         "area" => html! { path fill=(colour) d=(d) {} },
         "pale" => html! { path fill=(colour) fill-opacity="0.4" d=(d) {} },
+        // Bands of several series lie on each other.
+        "spread" => html! { path fill=(colour) fill-opacity="0.2" d=(d) {} },
         "broad" => line(20, None, Some("butt")),
         "dashed" => line(5, Some("24 16"), Some("butt")),
         "dots" => line(18, None, None),

@@ -10,7 +10,7 @@ use super::legend::legend;
 use super::typography::with_subscripts;
 use crate::figures::path::Frame;
 use crate::figures::ticks::{Tick, across, rows, upwards};
-use crate::figures::{Chart, Event, PALETTE, Panel, Series, Shape, hexadecimal, subscripts};
+use crate::figures::{Chart, Event, PALETTE, Panel, Series, hexadecimal, subscripts};
 
 /// Box of the coordinates of a plot.
 const FRAME: Frame = Frame {
@@ -79,7 +79,7 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
                     svg viewBox={ "0 0 " (FRAME.across) " " (FRAME.up) } preserveAspectRatio="none" aria-hidden="true" {
                         path.grid d=(grid(&ys)) {}
                         @if !events.is_empty() { path.moments d=(moments(&events)) {} }
-                        @for (place, own) in in_order(panel) { (series(panel, place, own)) }
+                        @for (place, own) in panel.in_order() { (series(panel, place, own)) }
                     }
                 }
                 div.xs aria-hidden="true" { (labels(&xs, "left")) }
@@ -87,14 +87,6 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
             p.axis.below { (with_subscripts(&panel.x.title())) }
         }
     }
-}
-
-/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Error bars lie on the bars of
-/// all series.
-fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
-    let errors = |(_, own): &(usize, &Series)| matches!(own.shape, Shape::Errors(_));
-    let series = || panel.series.iter().enumerate().rev();
-    series().filter(move |own| !errors(own)).chain(series().filter(errors))
 }
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {

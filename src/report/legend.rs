@@ -25,6 +25,7 @@ fn sample(shape: &Shape) -> &'static str {
         Shape::Dashed => "dashed",
         Shape::Points => "dots",
         Shape::Bars(_) | Shape::Spans(_) | Shape::Swings(_) => "area",
-        Shape::Band(_) | Shape::Whiskers(_) => "pale",
+        Shape::Band(_) => "spread",
+        Shape::Whiskers(_) => "pale",
     }
 }

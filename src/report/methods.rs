@@ -142,7 +142,7 @@ fn band_table(own: &RadiationReport) -> Table {
 fn modes(all: &[ModeShare]) -> Table {
     let mut largest: Vec<&ModeShare> = all.iter().collect();
     largest.sort_by(|a, b| b.share.abs().total_cmp(&a.share.abs()));
-    let percent = |part: Option<f64>, decimals: usize| dash(part, |part| format!("{:.decimals$}", 100.0 * part + 0.0));
+    let percent = |part: Option<f64>, decimals: usize| crate::tables::fixed(part.map(|part| 100.0 * part), decimals);
     let row = |own: &&ModeShare| {
         vec![
             own.body.as_ref().into(),

@@ -1,6 +1,6 @@
 //! Tables as HTML.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::typography::{capitalised, with_code, with_subscripts};
 use crate::tables::{Cell, Column, Content, Table};
@@ -8,13 +8,16 @@ use crate::tables::{Cell, Column, Content, Table};
 /// Longest text of a cell that is not broken into lines \[characters\].
 const SHORT: usize = 14;
 
+/// Longest number with its unit that is not broken into lines in print \[characters\]; lists are longer.
+const NUMBER: usize = 24;
+
 /// A table with its legend.
 pub(super) fn markup(table: &Table) -> Markup {
     let last = table.rows.len().saturating_sub(1);
     html! {
         div.scroll { table.pinned {
             thead { tr { @for column in &table.columns {
-                th.n[column.content == Content::Numbers] { (with_subscripts(&column.heading)) }
+                th.n[column.content == Content::Numbers] { (heading(&column.heading)) }
             } } }
             tbody { @for (place, row) in table.rows.iter().enumerate() { tr.sum[table.sum && place == last]
                 .failed[row.iter().any(|cell| cell.alarm)] {
@@ -27,15 +30,33 @@ pub(super) fn markup(table: &Table) -> Markup {
     }
 }
 
+/// A heading; keys in it may be broken after a full stop or an underscore.
+fn heading(text: &str) -> Markup {
+    let set = with_subscripts(text).into_string();
+    let letters: Vec<char> = set.chars().collect();
+    let mut broken = String::with_capacity(set.len());
+    for (place, letter) in letters.iter().enumerate() {
+        broken.push(*letter);
+        let before = place.checked_sub(1).and_then(|before| letters.get(before));
+        let word = |letter: Option<&char>| letter.is_some_and(char::is_ascii_lowercase);
+        if matches!(letter, '.' | '_') && word(before) && word(letters.get(place + 1)) {
+            broken.push_str("<wbr>");
+        }
+    }
+    PreEscaped(broken)
+}
+
 fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
     let key = column.content == Content::Keys;
     html! {
         @if key && place == 0 { th.key-name scope="row" { (cell.text)
-            @if !cell.spread.is_empty() { br; span.meaning { (with_subscripts(&cell.spread)) } }
+            @if !cell.spread.is_empty() { br; span.meaning { (with_code(&cell.spread)) } }
         } }
         @else if key { td.key-name { (cell.text) } }
         @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
-        @else if column.content == Content::Numbers { td.n { (content(cell)) } }
+        @else if column.content == Content::Numbers {
+            td.n.list[cell.text.chars().count() > NUMBER] { (content(cell)) }
+        }
         @else { td.short[cell.text.chars().count() <= SHORT] { (content(cell)) } }
     }
 }
@@ -53,13 +74,29 @@ pub(super) fn content(cell: &Cell) -> Markup {
             }
         } @else if let Some(file) = &cell.opens { a href=(file) { (text) }
         } @else if cell.strong { b { (text) } } @else { (text) }
-        @if !cell.spread.is_empty() { " " span.quiet { (with_subscripts(&cell.spread)) } }
+        @if !cell.spread.is_empty() { " " span.quiet { (with_code(&cell.spread)) } }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_in_headings_are_broken_between_words() {
+        let set = heading("exhaust.hole_diameter, L_{WA,1s} over 0.5 s").into_string();
+        assert_eq!(set, "exhaust.<wbr>hole_<wbr>diameter, L<sub>WA,1s</sub> over 0.5 s");
+    }
+
+    #[test]
+    fn code_in_a_remark_is_set_as_code() {
+        let cell = Cell::estimate("wood.penetration_fit", "of `nailnoise penetration fit`");
+        let set = content(&cell).into_string();
+        assert!(
+            set.contains("<code>nailnoise penetration fit</code>") && !set.contains('`'),
+            "{set}"
+        );
+    }
 
     #[test]
     fn every_row_has_a_cell_for_each_column() {

@@ -196,12 +196,30 @@ pub(crate) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> Stri
     value.map_or_else(|| "-".to_owned(), words)
 }
 
-/// A number with a fixed number of decimals; a dash for `None`.
+/// A number with a fixed number of decimals, without a sign if it rounds to zero; a dash for `None`.
 pub(crate) fn fixed(value: Option<f64>, decimals: usize) -> String {
-    dash(value, |value| format!("{value:.decimals$}"))
+    dash(value, |value| {
+        let text = format!("{value:.decimals$}");
+        match text.strip_prefix('-') {
+            Some(zero) if zero.chars().all(|letter| matches!(letter, '0' | '.')) => zero.to_owned(),
+            _ => text,
+        }
+    })
 }
 
 /// A level in dB with one decimal; a silent source shows a dash.
 pub(crate) fn decibels(level: Option<f64>) -> String {
     fixed(level, 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_rounds_to_zero_has_no_sign() {
+        let shown = [-0.04, -0.05, 0.0, -1.0].map(|value| fixed(Some(value), 1));
+        assert_eq!(shown, ["0.0", "-0.1", "0.0", "-1.0"]);
+        assert_eq!(fixed(Some(-0.4), 0), "0");
+    }
 }

@@ -1,4 +1,4 @@
-"""Opens reports in headless Chromium as readers would, without a network.
+"""Opens reports and other pages in headless Chromium as readers would, without a network.
 
     report.py PICTURES REPORT.html ... [--every-picture]
 
@@ -6,22 +6,23 @@ Windows of four widths, light and dark, without JavaScript, without WebGL, and i
 is requested from a network, that no error is in the console, that no label of a chart touches another or leaves the
 window, that texts have enough contrast and pictures a text; that the values under the pointer are there, series can be
 hidden, time is zoomed in all charts together, the 3D view follows its controls (report_scene.py), sounds load, and A
-and B run in step; that the file is short enough, and in print the summary has at most four pages. Saves screenshots (of all windows with --every-picture)
-and the page as printed. Uses the Chromium of the system, or else that of playwright.
+and B run in step; that no column of a table is lost and no text shows signs of markup; that the file is short enough,
+and the page on paper is neither cut nor shrunk (report_print.py). Pages without charts, legends, sounds or a 3D view
+are held to the rest. Saves screenshots (of all windows with --every-picture) and the page as printed. Uses the Chromium
+of the system, or else that of playwright.
 """
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from report_print import printed
 from report_scene import scene
 
 ARGUMENTS = ["--autoplay-policy=no-user-gesture-required", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
 WIDTHS = [360, 420, 768, 1400]
-SUMMARY_PAGES = 4
 MEGABYTE = 1_000_000
 
 # Labels that touch a label of the same panel, or leave the window.
@@ -70,6 +71,31 @@ UNNAMED = """
   + [...document.querySelectorAll(".plot")].filter((e) => !e.getAttribute("aria-label")).length
 """
 
+# Tables that are wider than their parent outside an element that scrolls and shows so by its shaded edge, and cells that
+# are not shown. All that is folded is opened for it.
+LOST = """
+() => {
+  const folded = [...document.querySelectorAll("details:not([open])")];
+  folded.forEach((e) => e.open = true);
+  const right = (e) => e.getBoundingClientRect().right;
+  const named = (e) => `${(e.closest("section") || {}).id}: ${e.textContent.slice(0, 40)}`;
+  const tables = [...document.querySelectorAll("table")].filter((e) => e.getClientRects().length);
+  const wide = tables.filter((e) => !e.parentElement.matches(".scroll") && right(e) > right(e.parentElement) + 1);
+  const without = [...document.querySelectorAll(".scroll")].filter((e) => e.scrollWidth > e.clientWidth + 1)
+    .filter((e) => getComputedStyle(e).overflowX !== "auto" || getComputedStyle(e).backgroundImage === "none");
+  const cells = tables.flatMap((e) => [...e.querySelectorAll("th, td")]).filter((e) => !e.getClientRects().length);
+  const found = [...wide, ...without, ...cells].map(named);
+  folded.forEach((e) => e.open = false);
+  return found;
+}
+"""
+
+# Texts with signs of markup.
+MARKUP = """
+() => [...document.querySelectorAll("body *:not(script):not(style)")].filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.includes("`")))
+  .map((e) => e.textContent.slice(0, 60))
+"""
+
 NO_WEBGL = """
 const get = HTMLCanvasElement.prototype.getContext;
 HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };
@@ -104,6 +130,10 @@ def sound(page: Page, report: Path, what: str) -> None:
     contrast = page.evaluate(CONTRAST)
     assert contrast >= 4.5, f"{report}, {what}: contrast {contrast:.2f}"
     assert page.evaluate(UNNAMED) == 0, f"{report}, {what}: a picture or a table without a name"
+    lost = page.evaluate(LOST)
+    assert not lost, f"{report}, {what}: columns that are lost without a hint: {lost[:6]}"
+    signs = page.evaluate(MARKUP)
+    assert not signs, f"{report}, {what}: backticks: {signs[:6]}"
 
 
 def scroll(page: Page, path) -> None:
@@ -123,15 +153,19 @@ def charts(page: Page, report: Path) -> int:
     for index in range(count):
         read = page.evaluate(f"[0.05, 0.2, 0.35, 0.5, 0.65, 0.8].flatMap((place) => window.nailnoise.values({index}, place).rows.map((row) => row[2]))")
         assert read and all(any(c.isdigit() for c in text) or text == "silent" for text in read), f"{report}: chart {index} has no values: {read}"
+    if not count:
+        return 0
     plot = page.locator(".plot").first
     plot.scroll_into_view_if_needed()
     plot.focus()
     page.keyboard.press("ArrowRight")
     assert page.locator(".tip").is_visible(), f"{report}: no values by the keys"
-    key = page.locator(".legend [data-series]").first
-    key.click()
-    assert page.locator(".panel").first.locator(".s.off, .row .off").count() > 0, f"{report}: no series is hidden"
-    key.click()
+    panel = page.locator(".panel:has(.legend [data-series])").first
+    if panel.count():
+        key = panel.locator(".legend [data-series]").first
+        key.click()
+        assert panel.locator(".s.off, .row .off").count() > 0, f"{report}: no series is hidden"
+        key.click()
     timed = page.locator('.panel[data-group="time"] .plot')
     if timed.count() > 1:
         timed.first.scroll_into_view_if_needed()
@@ -166,16 +200,6 @@ def listen(page: Page, report: Path) -> int:
     return len(sounds)
 
 
-def printed(page: Page, report: Path, path: Path) -> None:
-    """A summary of few pages comes first."""
-    page.pdf(path=path, format="A4", print_background=True)
-    if shutil.which("pdftotext") and page.locator(".appendix-begins").count():
-        pages = subprocess.run(["pdftotext", "-layout", path, "-"], capture_output=True, text=True, check=True).stdout.split("\f")
-        summary = next(number for number, text in enumerate(pages) if text.lstrip().startswith("Appendix"))
-        assert summary <= SUMMARY_PAGES, f"{report}: a summary of {summary} pages"
-        print(f"{report}: {summary} pages of summary, {len(pages) - 1} in all")
-
-
 def look(browser: Browser, report: Path, pictures: Path, every: bool) -> None:
     name = f"{report.parent.name}-{report.stem}"
     limit = 2 if report.stem.startswith("compare") else 3
@@ -191,7 +215,8 @@ def look(browser: Browser, report: Path, pictures: Path, every: bool) -> None:
             page.context.close()
     # A reader without JavaScript sees every chart and the picture of the surfaces.
     page = opened(browser, report, errors, viewport={"width": 1000, "height": 900}, java_script_enabled=False)
-    assert page.locator(".plot path").count() > 0 and (page.locator(".scene").count() == 0 or page.locator(".stage img").is_visible())
+    drawn = page.locator(".plot path").count() > 0 or page.locator(".plot, .track").count() == 0
+    assert drawn and (page.locator(".scene").count() == 0 or page.locator(".stage img").is_visible())
     page.screenshot(path=pictures / f"{name}-no-script.png", full_page=True)
     page.context.close()
     page = opened(browser, report, errors, NO_WEBGL, viewport={"width": 1000, "height": 900})

@@ -29,6 +29,7 @@
     }
     return NaN;
   };
+  const nearest = (dots, x) => dots.filter(Boolean).reduce((best, dot) => Math.abs(dot[0] - x) < Math.abs(best[0] - x) ? dot : best, [Infinity, NaN]);
   const ticks = (low, high, most) => {
     const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((digit) => digit * power).find((own) => own >= raw * 0.999);
@@ -78,19 +79,23 @@
         if (!value) continue;
         text = note || `${number(+value)} ${own.panel.dataset.unit}`;
       } else {
-        const path = group.querySelector("path.line, path.broad, path.dashed");
+        const path = group.querySelector("path.line, path.broad, path.dashed") || group.querySelector("path.dots");
         if (!path) continue;
         if (!own.curves.has(group)) own.curves.set(group, points(path));
-        const y = at(own.curves.get(group), (x - own.full[0]) / (own.full[1] - own.full[0]) * ACROSS);
+        const curve = own.curves.get(group), wide = own.full[1] - own.full[0], here = (x - own.full[0]) / wide * ACROSS;
+        // Of points that no line joins the nearest one, with its own abscissa.
+        const dot = path.matches(".dots") ? nearest(curve, here) : null;
+        const y = dot ? dot[1] : at(curve, here);
         if (!Number.isFinite(y)) continue;
         text = `${number(own.y[0] + (1 - y / UP) * (own.y[1] - own.y[0]))} ${own.panel.dataset.unit}`;
+        if (dot) text += ` at ${number(own.full[0] + dot[0] / ACROSS * wide)} ${own.panel.dataset.across || ""}`.trimEnd();
       }
       rows.push([group, group.dataset.name || "", text]);
     }
     // The event that is closest, if it is close.
     const events = [...own.panel.querySelectorAll(".events abbr")].map((event) => [Math.abs(+event.dataset.at - x), event.title]);
-    const nearest = events.sort((a, b) => a[0] - b[0])[0];
-    return { head, rows, event: nearest && nearest[0] < 0.015 * (to - from) ? nearest[1] : null };
+    const closest = events.sort((a, b) => a[0] - b[0])[0];
+    return { head, rows, event: closest && closest[0] < 0.015 * (to - from) ? closest[1] : null };
   };
   const show = (own, place, x, y) => {
     own.at = Math.min(1, Math.max(0, place));

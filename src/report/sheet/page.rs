@@ -11,6 +11,12 @@ use crate::declaration::{Finished, Use};
 /// Names of the parts in links.
 const LINKS: [&str; 4] = ["values", "use", "conditions", "basis"];
 
+/// Conditions in one of the tables beside each other.
+const CONDITIONS: usize = 5;
+
+/// Fields to be filled in by hand, likewise.
+const FIELDS: usize = 2;
+
 /// The page, in metric units.
 pub(in super::super) fn page(of: &Finished, usage: Use) -> Page {
     let sheet = Sheet::new(of, usage);
@@ -46,9 +52,9 @@ fn in_use(sheet: &Sheet) -> Markup {
 
 fn conditions(sheet: &Sheet) -> Markup {
     html! {
-        table.facts {
-            @for (name, value) in &sheet.conditions { tr { th scope="row" { (name) } td { (typeset(value)) } } }
-        }
+        div.columns { @for some in sheet.conditions.chunks(CONDITIONS) {
+            table.facts { @for (name, value) in some { tr { th scope="row" { (name) } td { (typeset(value)) } } } }
+        } }
     }
 }
 
@@ -58,8 +64,10 @@ fn basis(sheet: &Sheet) -> Markup {
             @for line in sheet.basis { li { (with_subscripts(line)) } }
             li { (sheet.program) "; " (DIGEST) ": " span.digest { (sheet.digest) } }
         }
-        table.facts {
-            @for field in sheet.signature { tr { th scope="row" { (field) } td { ("\u{2026}".repeat(8)) } } }
-        }
+        div.columns { @for some in sheet.signature.chunks(FIELDS) {
+            table.facts.by-hand {
+                @for field in some { tr { th scope="row" { (field) } td { ("\u{2026}".repeat(12)) } } }
+            }
+        } }
     }
 }
