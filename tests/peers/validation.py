@@ -27,7 +27,7 @@ SPEED_END = "<!-- end of the definitions -->"
 MEASURED = "designs/measured/n80cb.json"
 FILMED = "designs/n80cb-as-filmed.toml"
 DESIGNS = {"plain": [f"designs/n80cb-as-tested{kind}.toml" for kind in ("", "-sandbox", "-sandbox-floor")], "grooved": [FILMED]}
-# The wrapping tests in the sandbox have designs of their own; the synchronised ones differ by the support alone.
+# The wrapping tests in the sandbox are shipped designs; the synchronised ones differ in the support only.
 FILMED_SANDBOX = "n80cb-as-filmed-sandbox.toml"
 SHORT = [("n80cb-as-tested-", ""), ("n80cb-as-tested", "tested"), ("n80cb-as-", "")]
 DRAWS = 128
@@ -101,7 +101,10 @@ def summary(rows):
     # A row without an interval has the distance of a single value, which says little.
     known = [row for row in rows if row[6]]
     apart = [row for row in known if abs(float(row[7])) >= 0.05]
-    text = f"\nOf {len(known)} rows with an interval, {len(known) - len(apart)} overlap within 0.05 of their unit."
+    text = "\n"
+    if len(known) < len(rows):
+        text += f"{len(rows) - len(known)} rows have no draws yet; their distance is that of the design itself.\n"
+    text += f"Of {len(known)} rows with an interval, {len(known) - len(apart)} overlap within 0.05 of their unit."
     if not apart:
         return text + "\n"
     text += " These do not:\n\n"
@@ -193,7 +196,7 @@ def main(program, page, mode):
     of_speed = speed_rows(program)
     rows = [cells(row) for row in paired(program, DRAWS if mode == "--update" else 2)]
     if mode == "--update-values":
-        # Two draws have no interval of their own.
+        # Two draws make no interval.
         rows = [with_old_interval([*row[:6], "", row[7]], old) for row in rows]
     if mode:
         text, _ = replaced(text, BEGIN, END, table(rows) + summary(rows))
