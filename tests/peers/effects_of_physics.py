@@ -3,11 +3,13 @@
     effects_of_physics.py NAILNOISE PAGE           compares the table of the cycle with the program, to the digit, and
                                                    that of the levels with the file next to the page
     effects_of_physics.py NAILNOISE PAGE --update  writes both tables
-    effects_of_physics.py NAILNOISE PAGE --runs    makes runs, minutes each; writes that file and both tables
+    effects_of_physics.py NAILNOISE PAGE --missing makes the runs of the options that the file does not have yet
+    effects_of_physics.py NAILNOISE PAGE --runs    makes all runs, minutes each; writes that file and both tables
 
-A row of the cycle has the events, the speed of the rod at the nail, the mean speed of the nail, the kinetic energy left
-at full depth, the depth of the head, the peak force on the wood and that on the bumper. The file
-`effects-of-options.csv` has sensors, levels and third octaves of all sources.
+A row of the cycle has the outcome, the events, the speed of the rod at the nail, the mean speed of the nail, the
+kinetic energy left at full depth, the depth of the head, the peak force on the wood and that on the bumper. An event
+that does not happen has an empty cell. The file `effects-of-options.csv` has sensors, levels and third octaves of all
+sources.
 """
 
 import csv
@@ -24,10 +26,13 @@ LEVELS_BEGIN = "<!-- levels of the options: written by tests/peers/effects_of_ph
 LEVELS_END = "<!-- end of the levels -->"
 MUFFLER = "exhaust.muffler.kind=insertion_loss"
 OCTAVES = "exhaust.muffler.octaves=[0, 0, 0, 0, 5, 10, 15, 15, 15]"
+PROTRUSION = "piston.rod_protrusion=16mm"
 SPEED, HEAD = "wood.rate=speed", "wood.head_law=yields"
 OPTIONS = [
     ("as tested, all options off", []),
     ("groove of 6.35 mm", ["workpiece.groove=6.35mm"]),
+    ("rod's protrusion 16 mm, not 12.2 mm", [PROTRUSION]),
+    ("groove and protrusion of 16 mm: as filmed", ["workpiece.groove=6.35mm", PROTRUSION]),
     ("resistance depends on speed", [SPEED]),
     ("head yields", [HEAD]),
     ("both", [SPEED, HEAD]),
@@ -37,11 +42,15 @@ OPTIONS = [
     ("discharge of the exhaust 0.7", ["exhaust.discharge_coefficient=0.7"]),
     ("trigger fills through 28 mm2", ["trigger.fill_area=28mm2"]),
     ("no fitting on the exhaust", ["exhaust.fitting.kind=none"]),
+    ("wall of the fitting 3.2 mm, not 5.5 mm", ["exhaust.fitting.wall_thickness=3.2mm"]),
+    ("cap and wall of the fitting counted to the body", ["sources.convention=physical"]),
+    ("trigger vent counted to the exhaust", ["sources.trigger_vent=exhaust"]),
     ("muffler of 5 to 15 dB above 500 Hz in its place", ["exhaust.fitting.kind=none", MUFFLER, OCTAVES]),
     ("foam on housing and cap", ["body.cover.surfaces=both"]),
     ("loss factor of the table 0.06, not 0.03", ["support.worktable.loss_factor=0.06"]),
 ]
-COLUMNS = ["option", *(f"t{n} [ms]" for n in (5, 6, 9, 12, 13, 14)), "rod at nail [m/s]", "mean of nail [m/s]"]
+EVENTS = range(5, 15)
+COLUMNS = ["option", "outcome", *(f"t{n} [ms]" for n in EVENTS), "rod at nail [m/s]", "mean of nail [m/s]"]
 COLUMNS += ["left at full depth [J]", "head below [mm]", "peak force [N]", "bumper [N]"]
 
 
@@ -77,25 +86,24 @@ def cells(name, result, histories):
     def text(value, factor=1.0, digits=2):
         return "" if value is None else f"{factor * value:.{digits}f}"
 
-    row = [name, *(text(events[f"t{n}"], 1e3) for n in (5, 6, 9, 12, 13, 14))]
+    row = [name, result["outcome"].replace("_", " "), *(text(events[f"t{n}"], 1e3) for n in EVENTS)]
     row += [text(shot["speed_before_impact"]), text(shot["mean_drive_speed"])]
     row += [text(left_at_full_depth(result, histories)), text(shot["head_depth"], 1e3)]
     return row + [text(shot[f"peak_{name}_force"], digits=0) for name in ("penetration", "bumper")]
 
 
 def table(program):
-    lines = [COLUMNS, ["---"] + ["--:"] * (len(COLUMNS) - 1)]
+    lines = [COLUMNS, ["---"] * 2 + ["--:"] * (len(COLUMNS) - 2)]
     for name, settings in OPTIONS:
         lines.append(cells(name, *cycle(program, settings)))
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
-def run_all(program, path):
-    """Writes the sensors, the levels and the third octaves of a run with each option."""
-    with open(path, "w", newline="") as file:
+def run_options(program, path, options):
+    """Adds the sensors, the levels and the third octaves of a run with each option."""
+    with open(path, "a", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["option", "quantity", "band [Hz]", "value"])
-        for name, settings in OPTIONS:
+        for name, settings in options:
             with tempfile.TemporaryDirectory() as folder:
                 result = compute("run", program, settings, folder)
             for sensor in result["sensors"]:
@@ -143,10 +151,14 @@ def main():
     program, page = sys.argv[1], Path(sys.argv[2])
     path = page.parent / "effects-of-options.csv"
     if "--runs" in sys.argv:
-        run_all(program, path)
+        path.write_bytes(b"option,quantity,band [Hz],value\r\n")
+    if "--runs" in sys.argv or "--missing" in sys.argv:
+        with open(path, newline="") as file:
+            known = {row["option"] for row in csv.DictReader(file)}
+        run_options(program, path, [own for own in OPTIONS if own[0] not in known])
     text = page.read_text()
     tables = [(BEGIN, END, table(program)), (LEVELS_BEGIN, LEVELS_END, level_table(path))]
-    update = "--update" in sys.argv or "--runs" in sys.argv
+    update = any(mode in sys.argv for mode in ("--update", "--runs", "--missing"))
     for begin, end, found in tables:
         text, before = replaced(text, begin, end, found)
         if not update and before != found:
