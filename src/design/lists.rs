@@ -8,6 +8,16 @@ use super::surfaces::{NamedSurface, SurfaceOf, SurfaceProblem};
 use crate::model::supports;
 use crate::stages::bodies::BodyKind;
 
+impl From<BodyKind> for SurfaceOf {
+    fn from(kind: BodyKind) -> Self {
+        match kind {
+            BodyKind::Workpiece => Self::Workpiece,
+            BodyKind::Worktable => Self::Worktable,
+            BodyKind::Tool => Self::Tool,
+        }
+    }
+}
+
 impl Values {
     /// Whether the design has this body.
     pub(crate) fn has(&self, body: Sprung) -> bool {

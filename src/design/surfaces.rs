@@ -4,7 +4,6 @@ use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{any, choice, component, group, nonnegative};
 
 use super::show::mm;
-use crate::stages::bodies::BodyKind;
 
 choice! {
     /// The body from a file whose surface it is.
@@ -150,16 +149,6 @@ impl SurfaceOf {
     pub(crate) fn known_surfaces(self) -> String {
         let known: Vec<&str> = self.surfaces().iter().map(|surface| surface.as_str()).collect();
         format!("surfaces of the {} are {}", self.as_str(), known.join(", "))
-    }
-}
-
-impl From<BodyKind> for SurfaceOf {
-    fn from(kind: BodyKind) -> Self {
-        match kind {
-            BodyKind::Workpiece => Self::Workpiece,
-            BodyKind::Worktable => Self::Worktable,
-            BodyKind::Tool => Self::Tool,
-        }
     }
 }
 

@@ -148,7 +148,10 @@ fn a_surface_that_has_moved_ends_a_run_before_any_modes() {
         said.contains("recorded_surfaces.workpiece_x_max") && said.contains("own.toml"),
         "{said}"
     );
-    assert!(!out.exists(), "{said}");
+    assert!(
+        !out.join("result.json").exists() && !said.contains("vibration modes of a body"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -201,7 +204,7 @@ fn a_record_of_a_surface_that_the_body_cannot_have_is_refused_as_the_design_is_r
 fn a_record_of_a_built_in_body_is_a_warning() {
     let own = Own::new("idle");
     own.append(&own.record());
-    let result = json(&own.check(&["--set", "workpiece.mesh=", "--json"]));
+    let result = json(&own.check(&["--set", "workpiece.mesh=\"\"", "--json"]));
     let warnings = result["warnings"].as_array().unwrap();
     assert!(
         warnings
