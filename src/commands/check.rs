@@ -11,11 +11,12 @@ use serde::Serialize;
 use super::table::numbers;
 use super::{Shown, Status, bodies::Input, print_json, surface_records, warn};
 use crate::design::inputs;
-use crate::design::inputs::recorded_surfaces::{SurfaceMeasure, rounded};
+use crate::design::inputs::recorded_surfaces::SurfaceMeasure;
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
 use crate::tables::fixed;
 use crate::units::Units;
+use crate::wording;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -417,7 +418,7 @@ fn vector(vector: Option<[f64; 3]>, decimals: usize) -> String {
     vector.map_or_else(
         || "-".to_owned(),
         |vector| {
-            let [x, y, z] = vector.map(|c| format!("{:.decimals$}", rounded(c, decimals)));
+            let [x, y, z] = vector.map(|c| wording::fixed(c, decimals));
             format!("({x}, {y}, {z})")
         },
     )

@@ -72,23 +72,22 @@ impl Effects {
     /// Keys in descending order of their effect on the total, from a known study, followed by those that the study does
     /// not separate from chance, by their effect on the depth of the nail.
     pub(super) fn ordered_keys(graph: &Graph, design: &Design) -> Result<OrderedKeys, Error> {
-        // The rest of a basis is about options of `check`.
-        let basis = |own: &Self| own.basis.split(';').next().unwrap_or_default().to_owned();
-        let on_depth = Self::on_depth(graph, design)?;
         let known = Serving::of(graph.store(), design)?;
-        let Some(on_total) = known.and_then(|serving| Self::of_study(&serving.result)) else {
-            let basis = basis(&on_depth);
-            return Ok(OrderedKeys {
-                keys: on_depth.inputs.into_iter().map(|own| own.key).collect(),
-                basis,
-            });
-        };
-        let basis = format!("{}; then {}", basis(&on_total), basis(&on_depth));
-        let mut keys: Vec<String> = on_total.inputs.into_iter().map(|own| own.key).collect();
-        let others = on_depth.inputs.into_iter().map(|own| own.key);
-        let others: Vec<String> = others.filter(|key| !keys.contains(key)).collect();
-        keys.extend(others);
-        Ok(OrderedKeys { keys, basis })
+        let on_total = known.and_then(|serving| Self::of_study(&serving.result));
+        let (mut keys, mut bases) = (Vec::new(), Vec::new());
+        for effects in on_total.into_iter().chain([Self::on_depth(graph, design)?]) {
+            // The rest of a basis is about options of `check`.
+            bases.extend(effects.basis.split(';').next().map(str::to_owned));
+            for input in effects.inputs {
+                if !keys.contains(&input.key) {
+                    keys.push(input.key);
+                }
+            }
+        }
+        Ok(OrderedKeys {
+            keys,
+            basis: bases.join("; then "),
+        })
     }
 
     fn of_study(study: &StudyResult) -> Option<Self> {

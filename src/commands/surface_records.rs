@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::bodies::Input;
 use crate::atomic_write;
-use crate::design::inputs::recorded_surfaces::{SurfaceMeasure, area_decimals, rounded};
+use crate::design::inputs::recorded_surfaces::{SurfaceMeasure, area_decimals};
 use crate::design::{Design, SurfaceOf};
 use crate::error::Error;
 use crate::stages::bodies::BodyKind;
@@ -66,12 +66,8 @@ fn key(kind: BodyKind) -> &'static str {
 
 /// The records of all surfaces that a run can use, as tables of a design.
 fn toml(design: &Design, kind: BodyKind, measures: &[SurfaceMeasure]) -> String {
-    let file = match kind {
-        BodyKind::Workpiece => &design.workpiece.mesh,
-        BodyKind::Worktable => &design.support.worktable.mesh,
-        BodyKind::Tool => &design.body.mesh,
-    };
-    let file = Path::new(file).file_name().unwrap_or_default().to_string_lossy();
+    let file = Path::new(design.mesh_of(kind.into()));
+    let file = file.file_name().unwrap_or_default().to_string_lossy();
     let body = kind.name();
     let mut text = format!(
         "# Surfaces of the {body} in {}, recorded by nailnoise {}. A file in which one of them has moved is refused.\n",
@@ -92,15 +88,12 @@ fn toml(design: &Design, kind: BodyKind, measures: &[SurfaceMeasure]) -> String 
 /// Area, centre and mean normal of a surface: to 0.01 cm2 or four digits, to 0.01 mm, and to 0.001.
 fn values(measure: &SurfaceMeasure) -> String {
     let decimals = area_decimals(measure.area);
-    let mut text = format!(
-        "area = \"{} cm2\"\n",
-        trimmed(rounded(1e4 * measure.area, decimals), decimals)
-    );
+    let mut text = format!("area = \"{} cm2\"\n", trimmed(1e4 * measure.area, decimals));
     for (axis, c) in ["x", "y", "z"].iter().zip(&measure.centre) {
-        text.push_str(&format!("{axis} = \"{} mm\"\n", trimmed(rounded(1e3 * c, 2), 2)));
+        text.push_str(&format!("{axis} = \"{} mm\"\n", trimmed(1e3 * c, 2)));
     }
     for (axis, c) in ["x", "y", "z"].iter().zip(&measure.normal) {
-        text.push_str(&format!("normal_{axis} = {}\n", trimmed(rounded(*c, 3), 3)));
+        text.push_str(&format!("normal_{axis} = {}\n", trimmed(*c, 3)));
     }
     text
 }

@@ -43,10 +43,20 @@ impl Values {
 
     /// Whether a run solves this body with a mesh from a file.
     pub(crate) fn is_from_file(&self, body: SurfaceOf) -> bool {
+        let is_solved = match body {
+            SurfaceOf::Workpiece => true,
+            SurfaceOf::Worktable => self.has(Sprung::Worktable),
+            SurfaceOf::Tool => self.body.model != BodyModel::Rigid,
+        };
+        is_solved && !self.mesh_of(body).is_empty()
+    }
+
+    /// The file that replaces the mesh of a body; empty for a built-in one.
+    pub(crate) fn mesh_of(&self, body: SurfaceOf) -> &str {
         match body {
-            SurfaceOf::Workpiece => !self.workpiece.mesh.is_empty(),
-            SurfaceOf::Worktable => self.has(Sprung::Worktable) && !self.support.worktable.mesh.is_empty(),
-            SurfaceOf::Tool => self.body.model != BodyModel::Rigid && !self.body.mesh.is_empty(),
+            SurfaceOf::Workpiece => &self.workpiece.mesh,
+            SurfaceOf::Worktable => &self.support.worktable.mesh,
+            SurfaceOf::Tool => &self.body.mesh,
         }
     }
 

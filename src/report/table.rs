@@ -8,7 +8,7 @@ use crate::tables::{Cell, Column, Content, Table};
 /// Longest text of a cell that is not broken into lines \[characters\].
 const SHORT: usize = 14;
 
-/// Longest number with its unit that is not broken into lines in print \[characters\]; lists are longer.
+/// Largest length of a number with its unit \[characters\]; print breaks only longer texts, such as lists, into lines.
 const NUMBER: usize = 24;
 
 /// A table with its legend.

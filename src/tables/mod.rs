@@ -198,13 +198,7 @@ pub(crate) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> Stri
 
 /// A number with a fixed number of decimals, without a sign if it rounds to zero; a dash for `None`.
 pub(crate) fn fixed(value: Option<f64>, decimals: usize) -> String {
-    dash(value, |value| {
-        let text = format!("{value:.decimals$}");
-        match text.strip_prefix('-') {
-            Some(zero) if zero.chars().all(|letter| matches!(letter, '0' | '.')) => zero.to_owned(),
-            _ => text,
-        }
-    })
+    dash(value, |value| crate::wording::fixed(value, decimals))
 }
 
 /// A level in dB with one decimal; a silent source shows a dash.

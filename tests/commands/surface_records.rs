@@ -11,7 +11,7 @@ use nailnoise_meshes::{Block, Mesh, block};
 /// Length of the block of the small design \[m\].
 const LENGTH: f64 = 0.4064;
 
-/// The block of the small design with another length \[m\], towards +x, and named faces.
+/// A mesh of the small design's block with named faces; its end towards +x determines the length \[m\].
 fn block_of(length: f64, divisions: [usize; 3]) -> Mesh {
     let spec = Block {
         size: [length, 0.1524, 0.09525],

@@ -45,25 +45,24 @@ impl AssembledTool {
             return Ok(None);
         };
         let has_design = matches!(loaded, LoadedAssembly::OfDesign(_));
-        let (text, keys, numerics, fit, warnings) = match loaded {
+        let (text, mut resolved, numerics, fit, warnings) = match loaded {
             LoadedAssembly::Alone(text) => {
                 let warnings = text.unused().into_iter().map(Warning::Unused).collect();
-                (*text, BTreeMap::new(), Numerics::default(), None, warnings)
+                let resolved = text.resolve(&BTreeMap::new()).map_err(refused_assembly)?;
+                (*text, resolved, Numerics::default(), None, warnings)
             }
             LoadedAssembly::OfDesign(design) => {
                 let Some(text) = design.assembly().cloned() else {
                     return Ok(None);
                 };
-                let keys = design.assembly_keys()?;
-                let resolved = text.resolve(&keys).map_err(refused_assembly)?;
+                let resolved = text.resolve(&design.assembly_keys()?).map_err(refused_assembly)?;
                 if let Some((key, remedy)) = ignored(&design, &resolved) {
                     return Err(design.refuse_for_assembly(&key, remedy).into());
                 }
                 let (numerics, warnings) = (numerics(&design), design.warnings().to_vec());
-                (text, keys, numerics, fitted_law(&design)?, warnings)
+                (text, resolved, numerics, fitted_law(&design)?, warnings)
             }
         };
-        let mut resolved = text.resolve(&keys).map_err(refused_assembly)?;
         resolved.assembly.set_resistance(None, fit.as_ref());
         let name = path
             .file_stem()

@@ -157,14 +157,8 @@ fn percent(share: f64) -> String {
 
 /// A vector with two decimals.
 fn components(vector: Vector3<f64>) -> String {
-    let [x, y, z] = [vector.x, vector.y, vector.z].map(|c| trimmed(rounded(c, 2), 2));
+    let [x, y, z] = [vector.x, vector.y, vector.z].map(|c| trimmed(c, 2));
     format!("({x}, {y}, {z})")
-}
-
-/// A number rounded to some decimals, without a sign if it becomes zero.
-pub(crate) fn rounded(value: f64, decimals: usize) -> f64 {
-    let scale = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6][decimals.min(6)];
-    (value * scale).round() / scale + 0.0
 }
 
 /// Decimals for an area in cm2: two, or more for four significant digits.
