@@ -186,16 +186,21 @@ impl Support {
     }
 }
 
+/// P_cr = (2/(gamma+1))^(gamma/(gamma-1)), critical pressure ratio of the ideal nozzle for a gas with the ratio gamma of
+/// heat capacities \[-\].
+pub fn critical_ratio(gamma: f64) -> f64 {
+    (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
+}
+
 impl Ambient {
     /// rho_0 = P_a/(R T_a), density of the air \[kg/m3\].
     pub fn density(&self) -> f64 {
         self.pressure / (self.gas_constant * self.temperature)
     }
 
-    /// P_cr = (2/(gamma+1))^(gamma/(gamma-1)), critical pressure ratio of the ideal nozzle \[-\].
+    /// P_cr, [`critical_ratio`] of the air \[-\].
     pub fn critical_ratio(&self) -> f64 {
-        let gamma = self.heat_capacity_ratio;
-        (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
+        critical_ratio(self.heat_capacity_ratio)
     }
 
     /// c_0 = sqrt(gamma R T_a), speed of sound \[m/s\].

@@ -18,9 +18,9 @@ mod workpiece;
 
 pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
-pub use geometry::Geometry;
+pub use geometry::{Geometry, critical_ratio};
 pub use log::{Crossing, Direction, LogEntry, LogState};
-pub use nailer::{simulate, simulate_on};
+pub use nailer::{blow_input, simulate, simulate_on};
 pub use nailnoise_penetration::{NailedWood, Wood};
 pub use parameters::{
     Ambient, Block, BlowModel, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters,

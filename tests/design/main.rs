@@ -7,6 +7,7 @@ mod common;
 mod assignment;
 mod base_design;
 mod corpora;
+mod cycle_keys;
 mod files;
 mod migration;
 mod names;

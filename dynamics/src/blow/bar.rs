@@ -1,36 +1,6 @@
 //! An elastic bar as masses and springs, integrated by the leapfrog scheme.
 
-use std::f64::consts::PI;
-
-/// A uniform round bar.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rod {
-    /// Length \[m\].
-    pub length: f64,
-    /// Diameter \[m\].
-    pub diameter: f64,
-    /// Young's modulus \[Pa\].
-    pub modulus: f64,
-    /// Density \[kg/m3\].
-    pub density: f64,
-}
-
-impl Rod {
-    /// A, cross-section \[m2\].
-    pub fn area(&self) -> f64 {
-        0.25 * PI * self.diameter * self.diameter
-    }
-
-    /// c = sqrt(E/rho), speed of longitudinal waves \[m/s\].
-    pub fn wave_speed(&self) -> f64 {
-        (self.modulus / self.density).sqrt()
-    }
-
-    /// rho A L, mass \[kg\].
-    pub fn mass(&self) -> f64 {
-        self.density * self.area() * self.length
-    }
-}
+use crate::network::assembly::Rod;
 
 /// A bar with n elements: displacements of its n + 1 nodes at whole steps, their velocities half a step before.
 ///
@@ -65,7 +35,7 @@ impl Bar {
         mass[elements] *= 0.5;
         Self {
             mass,
-            stiffness: rod.modulus * rod.area() * elements as f64 / rod.length,
+            stiffness: rod.modulus * rod.area * elements as f64 / rod.length,
             displacement: vec![0.0; elements + 1],
             velocity: vec![velocity; elements + 1],
             load: vec![0.0; elements + 1],

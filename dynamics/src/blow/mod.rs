@@ -1,8 +1,9 @@
-//! The blow of the rod on the nail as waves in elastic bars.
+//! The blow of a driver on a fastener as waves in elastic bars.
 //!
-//! The cycle has a single moving mass. In addition, rod and nail are modelled as elastic bars from the impact until
-//! shortly after the nail stops. The piston is a mass at the upper end of the rod, on which the cycle's forces of gas,
-//! friction and bumper act. Rod and nail touch without tension, and the wood grips the nail's elements, its tip and its
+//! The cycle has a single moving mass. In addition, the driver's rod and the fastener, a nail or staple, are modelled as
+//! elastic bars from the impact until shortly after the nail stops. The rest of the driver's mass M, as a piston, is a
+//! mass at the upper end of the rod, on which the forces of the cycle on the driver act, without that of the wood F:
+//! m (a - g) + F, with the moving mass m and the acceleration a of the cycle. Rod and nail touch without tension, and the wood grips the nail's elements, its tip and its
 //! head. The limits of the grips sum to the resistance of the cycle's law at the nail's local speed.
 //!
 //! ```text
@@ -18,17 +19,22 @@
 //! as in the cycle.
 
 mod bar;
+mod course;
 mod grip;
 
-pub use bar::{Bar, EndContact, Rod, advance};
+pub use bar::{Bar, EndContact, advance};
+pub use course::Course;
 
 use std::f64::consts::PI;
 
 use grip::{Grip, GripLaw};
-use nailnoise_penetration::Envelope;
+use nailnoise_penetration::Shanks;
 use nailnoise_quantities::Check;
+use serde::Serialize;
 
-use crate::{CycleRecord, Geometry, Parameters};
+use crate::network::FastenerResistance;
+use crate::network::assembly::{Assembly, Base, ElasticBlow, Fastener};
+use course::Sampled;
 
 /// Elements along the nail; with steel, a step of 0.18 us for a 12d nail.
 const NAIL_ELEMENTS: usize = 64;
@@ -50,57 +56,69 @@ const LYSMER: f64 = 3.4 / 0.6;
 /// Largest relative error of momentum and energy.
 const BALANCE: f64 = 1e-6;
 
-/// Maximum mass of the rod relative to the piston's mass.
+/// Maximum mass of the rod relative to the driver's mass.
 const LARGEST_ROD: f64 = 0.9;
 
-/// The bars of a blow.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bars {
-    /// The driver rod.
-    pub rod: Rod,
-    /// The nail's shank; its head is a mass at its upper end.
-    pub nail: Rod,
-    /// Speed of shear waves in the wood \[m/s\].
-    pub shear_speed: f64,
-    /// Number of elements along the nail.
+/// Inputs of a blow other than the histories of its cycle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlowInput {
+    /// Rod, shank and wood.
+    pub bars: ElasticBlow,
+    /// The fastener, with the law of the wood's resistance.
+    pub fastener: Fastener,
+    /// Friction along the shank as a share of the resistance at full depth, for laws that do not state it.
+    pub friction_share: f64,
+    /// Mass of the driver \[kg\].
+    pub driver_mass: f64,
+    /// Acceleration of gravity on driver and fastener, down \[m/s2\].
+    pub gravity: f64,
+    /// Number of elements along the shank.
     pub elements: usize,
     /// Linear bulk viscosity b: the stress b rho c h dv/dx of an element of the length h.
     pub viscosity: f64,
+    /// Name of the driving body.
+    pub driver: String,
+    /// Name of the body that the fastener enters; `None` for the ground.
+    pub work: Option<String>,
+    /// Name of the body that guides the fastener; `None` for the ground.
+    pub guide: Option<String>,
 }
 
-impl Bars {
-    /// The bars of a shot.
-    pub fn new(p: &Parameters) -> Self {
-        let steel = |length, diameter| Rod {
-            length,
-            diameter,
-            modulus: p.piston.rod_modulus,
-            density: p.nail.density,
+impl BlowInput {
+    /// The blow on a fastener of an assembly, by its index; `None` if its blow is rigid. A rod that is heavier than 0.9
+    /// of the driver's mass is shortened to that mass.
+    pub fn of(assembly: &Assembly, fastener: usize) -> Option<Self> {
+        let mut bars = *assembly.blows.iter().find(|blow| blow.fastener == fastener)?;
+        let fastener = assembly.fasteners.get(fastener)?.clone();
+        let driver = assembly.bodies.get(fastener.driver)?;
+        let longest = bars.rod.length * LARGEST_ROD * driver.mass / bars.rod.mass();
+        bars.rod.length = bars.rod.length.min(longest);
+        let name = |base: Base| match base {
+            Base::Body(index) => assembly.bodies.get(index).map(|body| body.name.clone()),
+            Base::Ground => None,
         };
-        let rod = steel(p.piston.rod_length, p.piston.rod_diameter);
-        // A rod heavier than the cycle's piston allows is shortened to the permitted mass.
-        let longest = rod.length * LARGEST_ROD * p.piston.mass / rod.mass();
-        let diameter = p.nail.diameter * f64::from(p.nail.legs).sqrt();
-        Self {
-            rod: Rod {
-                length: rod.length.min(longest),
-                ..rod
-            },
-            nail: steel(p.nail.length, diameter),
-            shear_speed: p.wood.shear_speed,
+        Some(Self {
+            bars,
+            driver_mass: driver.mass,
+            gravity: driver.gravity,
+            friction_share: Shanks::SMOOTH.friction_share,
             elements: NAIL_ELEMENTS,
             viscosity: VISCOSITY,
-        }
+            driver: driver.name.clone(),
+            work: name(fastener.into),
+            guide: name(fastener.guide),
+            fastener,
+        })
     }
 }
 
 /// Forces of an elastic blow, at the samples of the cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blow {
-    /// Force of the nail on the wood \[N\], averaged over the interval around each sample; outside the time of the
+    /// Force of the fastener on the wood \[N\], averaged over the interval around each sample; outside the time of the
     /// blow, that of the cycle.
     pub on_wood: Vec<f64>,
-    /// Force between rod and nail \[N\].
+    /// Force between rod and fastener \[N\].
     pub rod_on_nail: Vec<f64>,
     /// First and last sample of the blow.
     pub samples: [usize; 2],
@@ -112,33 +130,27 @@ pub struct Blow {
     pub checks: Vec<Check>,
 }
 
-/// Computes the blow of a shot from its cycle; `None` if the rod never strikes the nail or the nail does not stop.
-pub fn elastic_blow(p: &Parameters, record: &CycleRecord) -> Option<Blow> {
-    with_bars(&Bars::new(p), p, record)
-}
-
-/// Computes the blow with other bars.
-pub fn with_bars(bars: &Bars, p: &Parameters, record: &CycleRecord) -> Option<Blow> {
-    let start = record.events.t5?;
-    let stop = record.events.t9?;
-    let speed = record.summary.speed_before_impact?;
-    let dt_record = record.sample_interval;
-    let first = (start / dt_record).ceil() as usize;
+/// Computes the blow of a shot from its cycle; `None` if the driver never strikes the fastener or the fastener does not
+/// stop in the wood.
+pub fn elastic_blow(input: &BlowInput, course: &Course<'_>) -> Option<Blow> {
+    let stop = course.stop(input.fastener.tip_at)?;
+    let (start, interval) = (course.strike, course.interval);
+    let first = (start / interval).ceil() as usize;
     let [after, fade] = AFTER_STOP;
-    let last = (((stop + after) / dt_record) as usize).min(record.len().checked_sub(2)?);
-    let mut run = BlowIntegration::new(bars, p, record, start, speed);
-    let mut on_wood = record.forces.penetration.clone();
-    let mut rod_on_nail = vec![0.0; record.len()];
+    let last = (((stop + after) / interval) as usize).min(course.len().checked_sub(2)?);
+    let mut run = BlowIntegration::new(input, course);
+    let mut on_wood = course.resistance.to_vec();
+    let mut rod_on_nail = vec![0.0; course.len()];
     let (mut impulse, mut from) = (0.0, start);
     for sample in first..=last {
-        let end = (sample as f64 + 0.5) * dt_record;
+        let end = (sample as f64 + 0.5) * interval;
         let mean = run.until(end);
         let remaining = ((stop + after - end) / fade).clamp(0.0, 1.0);
         let weight = (0.5 * PI * remaining).sin().powi(2);
         on_wood[sample] += weight * (mean.on_wood - on_wood[sample]);
         rod_on_nail[sample] = mean.rod_on_nail;
         // The bars step past the end of an interval, so its duration is not that between the ends of the intervals.
-        impulse += record.forces.penetration[sample] * (end.min(stop) - from.min(stop));
+        impulse += course.resistance[sample] * (end.min(stop) - from.min(stop));
         from = end;
     }
     Some(Blow {
@@ -159,10 +171,11 @@ struct Means {
 
 /// The moving bars.
 struct BlowIntegration<'a> {
-    p: &'a Parameters,
-    record: &'a CycleRecord,
-    bars: &'a Bars,
-    envelope: Envelope,
+    input: &'a BlowInput,
+    course: &'a Course<'a>,
+    resistance: FastenerResistance,
+    /// Forces of the cycle on the driver without those of the wood and gravity, at its samples \[N\].
+    push: Vec<f64>,
     /// Speed of the rod in the wood at the impact \[m/s\].
     impact: f64,
     piston: Bar,
@@ -188,25 +201,27 @@ struct BlowIntegration<'a> {
 }
 
 impl<'a> BlowIntegration<'a> {
-    fn new(bars: &'a Bars, p: &'a Parameters, record: &'a CycleRecord, start: f64, speed: f64) -> Self {
-        let element = bars.nail.length / bars.elements as f64;
-        let elements = bars.rod.length / element * bars.nail.wave_speed() / bars.rod.wave_speed();
-        let mut piston = Bar::new(&bars.rod, (elements as usize).max(1), speed);
-        piston.mass[0] += p.piston.mass - bars.rod.mass();
-        let at = Sampled::new(record, start);
-        let mut nail = Bar::new(&bars.nail, bars.elements, at.of(&record.tool.velocity));
-        let geometry = Geometry::new(p);
-        nail.mass[0] += (geometry.nail_mass - bars.nail.mass()).max(0.0);
-        let dt = COURANT * element / bars.nail.wave_speed();
-        let wood = at.of(&record.workpiece.position);
+    fn new(input: &'a BlowInput, course: &'a Course<'a>) -> Self {
+        let ElasticBlow { rod, shank, .. } = &input.bars;
+        let (start, speed) = (course.strike, course.speed);
+        let element = shank.length / input.elements as f64;
+        let elements = rod.length / element * shank.wave_speed() / rod.wave_speed();
+        let mut piston = Bar::new(rod, (elements as usize).max(1), speed);
+        piston.mass[0] += input.driver_mass - rod.mass();
+        let at = Sampled::new(course, start);
+        let mut nail = Bar::new(shank, input.elements, at.of_base(course.guide));
+        nail.mass[0] += (input.fastener.mass - shank.mass()).max(0.0);
+        let dt = COURANT * element / shank.wave_speed();
+        let wood = at.of_base(course.work.map(|work| work.position));
         Self {
-            envelope: p.penetration_envelope(),
-            impact: speed - at.of(&record.workpiece.velocity),
-            depth: at.of(&record.piston.position) - wood - geometry.tip_gap,
+            resistance: FastenerResistance::of(&input.fastener),
+            push: course.push(input.gravity),
+            impact: speed - at.of_base(course.work.map(|work| work.velocity)),
+            depth: at.of(course.driver.position) - wood - input.fastener.tip_at,
             wood,
             initial_momentum: piston.momentum() + nail.momentum(),
             initial_energy: piston.energy(dt) + nail.energy(dt),
-            grips: vec![Grip::default(); bars.elements + 3],
+            grips: vec![Grip::default(); input.elements + 3],
             dt,
             contact: EndContact::default(),
             deepest: 0.0,
@@ -217,9 +232,8 @@ impl<'a> BlowIntegration<'a> {
             impulse_at_deepest: 0.0,
             piston,
             nail,
-            bars,
-            p,
-            record,
+            input,
+            course,
         }
     }
 
@@ -240,24 +254,20 @@ impl<'a> BlowIntegration<'a> {
 
     /// Advances by one step and returns the force on the wood.
     fn step(&mut self) -> f64 {
-        let at = Sampled::new(self.record, self.time);
-        let forces = &self.record.forces;
-        let push = at.of(&forces.piston_gas)
-            - at.of(&forces.bumper)
-            - at.of(&forces.stopper)
-            - at.of(&forces.piston_friction)
-            - at.of(&forces.magazine);
-        let gravity = self.p.ambient.gravity;
+        let at = Sampled::new(self.course, self.time);
+        let push = at.of(&self.push);
         for bar in [&mut self.piston, &mut self.nail] {
             for (load, mass) in bar.load.iter_mut().zip(&bar.mass) {
-                *load = mass * gravity;
+                *load = mass * self.input.gravity;
             }
         }
         self.piston.load[0] += push;
-        let wood = at.of(&self.record.workpiece.position) - self.wood;
-        let on_wood = self.grip(wood, at.of(&self.record.workpiece.velocity));
-        for (bar, rod) in [(&mut self.piston, &self.bars.rod), (&mut self.nail, &self.bars.nail)] {
-            bar.add_damping(self.bars.viscosity * rod.density * rod.wave_speed() * rod.area());
+        let work = self.course.work;
+        let wood = at.of_base(work.map(|work| work.position)) - self.wood;
+        let on_wood = self.grip(wood, at.of_base(work.map(|work| work.velocity)));
+        let ElasticBlow { rod, shank, .. } = &self.input.bars;
+        for (bar, rod) in [(&mut self.piston, rod), (&mut self.nail, shank)] {
+            bar.add_damping(self.input.viscosity * rod.density * rod.wave_speed() * rod.area);
         }
         let loads = self.piston.load.iter().chain(&self.nail.load);
         self.impulse += self.dt * loads.sum::<f64>();
@@ -280,10 +290,14 @@ impl<'a> BlowIntegration<'a> {
         if z <= 0.0 {
             return 0.0;
         }
-        let (bars, wood, nail) = (self.bars, &self.p.wood, &self.p.nail);
-        let element = bars.nail.length / tip as f64;
-        let impedance = wood.density * bars.shear_speed;
-        let [friction, point, head] = self.envelope.parts(self.deepest, 0.0, self.impact);
+        let (bars, shank) = (&self.input.bars, self.input.bars.shank);
+        let element = shank.length / tip as f64;
+        let impedance = bars.wood_density * bars.shear_speed;
+        let parts = |speed: f64| {
+            let resistance = &self.resistance;
+            resistance.parts_after(self.impact, self.deepest, speed, self.input.friction_share)
+        };
+        let [friction, point, head] = parts(0.0);
         let total = friction + point + head;
         if total <= 0.0 {
             return 0.0;
@@ -295,23 +309,22 @@ impl<'a> BlowIntegration<'a> {
             let below = if node == 0 { 0.0 } else { 0.5 * element };
             let depth = self.depth + self.nail.displacement[node] - moved - (tip - node) as f64 * element;
             let (upper, lower) = (depth - below, depth + above);
-            (lower.min(bars.nail.length) - upper.max(0.0)).max(0.0)
+            (lower.min(shank.length) - upper.max(0.0)).max(0.0)
         };
         let lengths: Vec<f64> = (0..=tip).map(embedded).collect();
         let whole: f64 = lengths.iter().sum();
-        let perimeter = PI * nail.diameter * f64::from(nail.legs);
-        let disc = |diameter: f64| LYSMER * 0.25 * diameter * diameter * impedance;
+        let disc = |area: f64| LYSMER * area / PI * impedance;
         let speeds: Vec<f64> = self.nail.velocity.iter().map(|v| v - speed).collect();
-        let moving = |node: usize| self.envelope.parts(self.deepest, speeds[node].abs(), self.impact);
+        let moving = |node: usize| parts(speeds[node].abs());
         let mut held = Vec::with_capacity(tip + 3);
         for (node, length) in lengths.iter().enumerate() {
             let part = if whole > 0.0 { length / whole } else { 0.0 };
             let limit = if part > 0.0 { part * moving(node)[0] } else { 0.0 };
-            held.push((node, limit, part * friction, perimeter * impedance * length));
+            held.push((node, limit, part * friction, bars.perimeter * impedance * length));
         }
-        held.push((tip, moving(tip)[1], point, disc(bars.nail.diameter)));
-        held.push((0, head, head, disc(nail.head_diameter)));
-        let share = self.p.wood.unloading_stiffness / total;
+        held.push((tip, moving(tip)[1], point, disc(shank.area)));
+        held.push((0, head, head, disc(bars.head_area)));
+        let share = self.input.fastener.seated.unloading / total;
         let mut sum = 0.0;
         for (grip, (node, limit, resting, dashpot)) in self.grips.iter_mut().zip(held) {
             let law = GripLaw {
@@ -345,27 +358,5 @@ impl<'a> BlowIntegration<'a> {
                 BALANCE,
             ),
         ]
-    }
-}
-
-/// Values of a record at a time, by linear interpolation.
-#[derive(Clone, Copy)]
-struct Sampled {
-    sample: usize,
-    part: f64,
-}
-
-impl Sampled {
-    fn new(record: &CycleRecord, time: f64) -> Self {
-        let position = (time / record.sample_interval).max(0.0);
-        let sample = (position as usize).min(record.len().saturating_sub(2));
-        Self {
-            sample,
-            part: (position - sample as f64).min(1.0),
-        }
-    }
-
-    fn of(&self, values: &[f64]) -> f64 {
-        values[self.sample] + self.part * (values[self.sample + 1] - values[self.sample])
     }
 }

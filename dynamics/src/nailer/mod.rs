@@ -12,6 +12,7 @@ mod log;
 mod record;
 mod summary;
 
+use crate::blow::BlowInput;
 use crate::network::{self, RunError};
 use crate::{
     Compliance, CouplingWork, CycleError, CycleRecord, Parameters, Settings, WoodForces, WoodMotion, Workpiece,
@@ -21,6 +22,9 @@ use assembly::Nailer;
 
 /// Name of the body on which the nailer works.
 const WORKPIECE: &str = "workpiece";
+
+/// Name of the fastener.
+const NAIL: &str = "nail";
 
 /// Computes one nailing cycle, from the trigger pull to 5 ms after the piston comes to rest at the top. It ends no
 /// later than `settings.end` or the landing of the tool.
@@ -54,6 +58,17 @@ pub fn simulate_on<W: Workpiece<Error: From<CycleError>>>(
         CoupledError::Workpiece(error) => error,
     })?;
     Ok((record::view(parameters, record)?, work))
+}
+
+/// Inputs of the elastic blow of the rod on the nail; `None` if the blow is rigid.
+///
+/// # Errors
+/// Those of [`simulate`] that are found before the run.
+pub fn blow_input(parameters: &Parameters) -> Result<Option<BlowInput>, CycleError> {
+    let nailer = Nailer::new(parameters, &Settings::default())?;
+    let mut fasteners = nailer.assembly.fasteners.iter();
+    let nail = fasteners.position(|fastener| fastener.name == NAIL);
+    Ok(nail.and_then(|nail| BlowInput::of(&nailer.assembly, nail)))
 }
 
 /// An error of the run or of the structure.

@@ -90,8 +90,14 @@ impl FastenerResistance {
     /// `speed` \[m/s\], with the tip at `depth` \[m\] \[N\]. The friction is `friction_share` of the force at full
     /// depth and linear in depth, unless the law of a wood states it.
     pub fn parts(&self, depth: f64, speed: f64, friction_share: f64) -> [f64; 3] {
+        self.parts_after(self.law.usual_impact(), depth, speed, friction_share)
+    }
+
+    /// Same as [`parts`](Self::parts), after an impact of the driver at the speed `impact` in the work \[m/s\], on which
+    /// a fitted law depends.
+    pub(crate) fn parts_after(&self, impact: f64, depth: f64, speed: f64, friction_share: f64) -> [f64; 3] {
         if let ShankLaw::Envelope(envelope) = &self.law {
-            return envelope.parts(depth, speed, envelope.usual_impact());
+            return envelope.parts(depth, speed, impact);
         }
         let law = self.shank(depth);
         let full = friction_share * self.shank(self.length);

@@ -113,6 +113,40 @@ fn names_must_exist_and_be_unique() {
                 "add one to [cycle.event], as hit = { becomes = \"nail struck\" }",
             ],
         ),
+        (
+            "[cycle.event.t17]\nis = \"nail hits\"",
+            &[
+                "is \"nail hits\", which is no condition",
+                "becomes = \"nail seats\" instead",
+                "the words of the block are nail struck, nail left, nail enters, nail seats, nail unloads, nail reloads",
+            ],
+        ),
+        (
+            "[cycle.event.t13]\nwhere = \"exhaust.seat opens\"",
+            &["which is no condition", "becomes = \"exhaust.seat opens\" instead"],
+        ),
+        (
+            "[cycle.event.t13]\nwhere = \"above_piston empties\"",
+            &["which is no condition", "logs no words; give a condition"],
+        ),
+        (
+            "[cycle.trigger.released]\nset = \"nail hits\"",
+            &[
+                "waits for \"nail hits\"",
+                "there are: nail struck, nail left, nail enters",
+            ],
+        ),
+        (
+            "[cycle.outcome]\nhit = \"no nail struck\"",
+            &["names \"nail struck\", which is no event", "add one to [cycle.event]"],
+        ),
+        (
+            "[cycle.sensor.valve_lift]\nis = \"nail hits\"",
+            &[
+                "is \"nail hits\", which is no expression",
+                "the channels of the block are nail.depth, nail.tip",
+            ],
+        ),
     ]);
 }
 

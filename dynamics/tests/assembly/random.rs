@@ -41,6 +41,43 @@ fn valid_assemblies_are_read() {
     }
 }
 
+/// Every option of the random texts occurs in some, and every fault has texts that it breaks.
+#[test]
+fn the_random_assemblies_have_every_option() {
+    let texts: Vec<String> = (0..COUNT).map(|seed| random_assembly(&mut Random::new(seed))).collect();
+    let options = [
+        "iso6358",
+        "ratio_polynomial",
+        "exp(",
+        "one_way",
+        "delays =",
+        "leaves =",
+        "before = true",
+        "\"table\"",
+        "\"solid_wood\"",
+        "\"wood\"",
+        "legs = 2",
+        "if = \"own.count > 5\"",
+        "seat =",
+        "holes =",
+        "ramp =",
+        "pipe =",
+        "series =",
+    ];
+    for option in options.into_iter().chain(FAULTS.map(|(from, _)| from)) {
+        let with = texts.iter().filter(|text| text.contains(option)).count();
+        assert!(with > 10, "{option} in {with} texts");
+    }
+    let resolved: Vec<Resolved> = texts.iter().filter_map(|text| read(text).ok()).collect();
+    let count = |has: &dyn Fn(&Resolved) -> bool| resolved.iter().filter(|own| has(own)).count();
+    let blows = count(&|own| !own.assembly.blows.is_empty());
+    let switched = count(&|own| own.assembly.passages.iter().any(|own| own.name == "switched"));
+    assert!(
+        (50..450).contains(&blows) && (50..450).contains(&switched),
+        "{blows}, {switched}"
+    );
+}
+
 #[test]
 fn random_assemblies_end_with_their_energy_balanced_or_with_an_error() {
     let mut ended = 0;
@@ -65,7 +102,7 @@ fn random_assemblies_end_with_their_energy_balanced_or_with_an_error() {
 }
 
 /// Faults that no assembly survives: a text and what takes its place once.
-const FAULTS: [(&str, &str); 14] = [
+const FAULTS: [(&str, &str); 22] = [
     ("area =", "aera ="),
     (" mm2\"", " mm\""),
     ("between = [\"v0\"", "between = [\"v9\""),
@@ -80,6 +117,14 @@ const FAULTS: [(&str, &str); 14] = [
     ("[cycle.volume.v0]", "[cycle.volume.v0"),
     ("atmosphere = { pressure", "atmos = { pressure"),
     ("v0.pressure <", "v0.pressure + 1 mm <"),
+    ("if = \"own.count", "if = \"own.cuont"),
+    ("own.count > 5, disc", "own.count > 5, dics"),
+    ("max(2 mm2", "max(2 mm"),
+    ("critical_ratio = 0.35", "critical_ratio = \"wide\""),
+    ("when = \"", "when = \"un"),
+    ("driver = \"b0\"", "driver = \"v0\""),
+    ("[cycle.blow.nail]", "[cycle.blow.nial]"),
+    (", modulus = \"207 GPa\"", ""),
 ];
 
 #[test]

@@ -1,24 +1,55 @@
 //! The elastic blow: Saint-Venant's two rods, reflections, balances, the rigid limit and convergence.
 #![allow(clippy::unwrap_used)]
 
+mod assemblies;
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/n80cb_assembly.rs"]
+mod n80cb_assembly;
+#[path = "../common/random_assembly.rs"]
+mod random_assembly;
 
 use std::sync::LazyLock;
 
-use nailnoise_dynamics::blow::{Bar, Bars, EndContact, Rod, advance, elastic_blow, with_bars};
-use nailnoise_dynamics::{CycleRecord, Settings, simulate};
+use nailnoise_dynamics::blow::{Bar, Blow, BlowInput, Course, EndContact, advance, elastic_blow};
+use nailnoise_dynamics::network::assembly::Rod;
+use nailnoise_dynamics::{BlowModel, CycleRecord, Parameters, Settings, blow_input, simulate};
 
 use common::n80cb;
 
 const STEEL: Rod = Rod {
     length: 0.2,
-    diameter: 0.01,
+    area: 7.85e-5,
     modulus: 207e9,
     density: 7850.0,
 };
 
 static BASE: LazyLock<CycleRecord> = LazyLock::new(|| simulate(&n80cb(), &Settings::default()).unwrap());
+
+/// The N80CB with an elastic blow.
+fn elastic_n80cb() -> Parameters {
+    let mut parameters = n80cb();
+    parameters.model.blow = BlowModel::Elastic;
+    parameters
+}
+
+/// The bars of the base design.
+fn base_input() -> BlowInput {
+    blow_input(&elastic_n80cb()).unwrap().unwrap()
+}
+
+/// The blow of the base design with some bars.
+fn blow_of(input: &BlowInput) -> Blow {
+    elastic_blow(input, &Course::of_keys(&BASE).unwrap()).unwrap()
+}
+
+/// The same bars, a thousand times as stiff.
+fn stiffened(input: &BlowInput) -> BlowInput {
+    let mut stiff = input.clone();
+    stiff.bars.rod.modulus *= 1e3;
+    stiff.bars.shank.modulus *= 1e3;
+    stiff
+}
 
 /// Time of one element at the wave speed.
 fn exact_step(elements: usize) -> f64 {
@@ -53,7 +84,7 @@ fn two_equal_rods_exchange_their_speeds_as_saint_venant_found() {
         (duration / expected - 1.0).abs() < 1e-3,
         "{duration} s for {expected} s"
     );
-    let force = 0.5 * STEEL.density * STEEL.wave_speed() * STEEL.area() * speed;
+    let force = 0.5 * STEEL.density * STEEL.wave_speed() * STEEL.area * speed;
     assert!(
         (impulse / duration / force - 1.0).abs() < 1e-3,
         "{} N for {force} N",
@@ -113,8 +144,13 @@ fn a_pulse_returns_upright_from_a_free_end_and_inverted_from_a_fixed_one() {
 }
 
 #[test]
+fn a_rigid_blow_has_no_bars() {
+    assert_eq!(blow_input(&n80cb()).unwrap(), None);
+}
+
+#[test]
 fn momentum_and_energy_of_a_blow_balance() {
-    let blow = elastic_blow(&n80cb(), &BASE).unwrap();
+    let blow = blow_of(&base_input());
     assert_eq!(blow.checks.len(), 2);
     for check in &blow.checks {
         assert!(check.ok, "{check:?}");
@@ -124,19 +160,11 @@ fn momentum_and_energy_of_a_blow_balance() {
 
 /// Ratio of the impulse of bars a thousand times as stiff as steel to that of the cycle.
 fn rigid(elements: usize) -> f64 {
-    let p = n80cb();
-    let bars = Bars::new(&p);
-    let stiff = |rod: Rod| Rod {
-        modulus: 1e3 * rod.modulus,
-        ..rod
-    };
-    let bars = Bars {
-        rod: stiff(bars.rod),
-        nail: stiff(bars.nail),
+    let bars = BlowInput {
         elements,
-        ..bars
+        ..stiffened(&base_input())
     };
-    let [elastic, cycle] = with_bars(&bars, &p, &BASE).unwrap().impulses;
+    let [elastic, cycle] = blow_of(&bars).impulses;
     elastic / cycle
 }
 
@@ -159,16 +187,18 @@ fn rigid_bars_give_the_impulse_of_the_cycle_within_a_hundredth() {
 
 #[test]
 fn elastic_bars_keep_the_impulse_on_the_wood() {
-    let [elastic, cycle] = elastic_blow(&n80cb(), &BASE).unwrap().impulses;
+    let [elastic, cycle] = blow_of(&base_input()).impulses;
     assert!((elastic / cycle - 1.0).abs() < 0.03, "{elastic} N s for {cycle} N s");
 }
 
 #[test]
 fn the_first_strike_converges_with_the_elements() {
-    let p = n80cb();
-    let bars = Bars::new(&p);
+    let input = base_input();
     let force = |elements: usize| {
-        let blow = with_bars(&Bars { elements, ..bars }, &p, &BASE).unwrap();
+        let blow = blow_of(&BlowInput {
+            elements,
+            ..input.clone()
+        });
         let first = blow.samples[0];
         blow.on_wood[first..first + 200].to_vec()
     };
@@ -184,7 +214,7 @@ fn the_first_strike_converges_with_the_elements() {
 
 #[test]
 fn strikes_add_high_frequencies_to_the_force_on_the_wood() {
-    let blow = elastic_blow(&n80cb(), &BASE).unwrap();
+    let blow = blow_of(&base_input());
     let [first, last] = blow.samples;
     // The square of the second difference weighs the highest frequencies.
     let roughness = |force: &[f64]| {

@@ -35,6 +35,7 @@ pub(crate) fn empty(name: &str, end: f64) -> Assembly {
         motors: Vec::new(),
         holds: Vec::new(),
         fasteners: Vec::new(),
+        blows: Vec::new(),
         triggers: Vec::new(),
         sensors: Vec::new(),
         events: Vec::new(),

@@ -37,8 +37,8 @@ pub(crate) fn first_seed() -> u64 {
     given.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-/// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds, contacts, springs,
-/// friction, a trigger and events.
+/// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds with their options, contacts,
+/// springs, friction, a trigger and events; formulas over a key; blocks that an `if` switches; a fastener with a blow.
 pub(crate) fn random_assembly(random: &mut Random) -> String {
     let (volumes, bodies) = (1 + random.below(5), random.below(4));
     let mut text = String::from(
@@ -165,6 +165,66 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
             "moves = {{ becomes = \"b0.travel > 1 mm and b0.speed > 0\", after = \"t0\" }}"
         );
         let _ = writeln!(text, "strikes = {{ becomes = \"below0 closes\" }}");
+    }
+    text.push_str(&switched_passage(random));
+    if bodies > 0 && random.chance(60) {
+        text.push_str(&fastener(random));
+    }
+    text
+}
+
+/// A key, and a passage with options that the key may switch off.
+fn switched_passage(random: &mut Random) -> String {
+    let mut text = format!(
+        "[keys.own]\ncount = {{ domain = \"0 .. 10\", text = \"number of holes\" }}\n[own]\ncount = {}\n\
+         [cycle.passage.switched]\nif = \"own.count > 3 and not own.count > 8\"\nbetween = [\"v0\", \"atmosphere\"]\n\
+         silent = true\narea = \"=if(own.count > 5, disc(bore/8), max(2 mm2, disc(own.count*0.2 mm)))\"\n",
+        1 + random.below(10)
+    );
+    let options = [
+        "law = { kind = \"iso6358\", critical_ratio = 0.35 }",
+        "coefficient = { ratio_polynomial = [1.1, -0.71, 0.49, -0.14], from = 0.39, to = 0.91 }",
+        "coefficient = \"=exp(-0.1*own.count)\"",
+        "one_way = \"=own.count > 6\"",
+    ];
+    text.push_str(options[random.below(options.len())]);
+    text.push('\n');
+    let opens = [
+        "",
+        "open = { when = \"not pulled\", delay = \"0.2 ms\", before = true }\n",
+        "open = { when = \"pulled\", delay = \"=own.count*0.1 ms\", delays = \"flow\" }\n",
+        "open = { when = \"pulled\", delay = \"0.3 ms\", delays = \"flow\", leaves = \"undelayed\" }\n",
+    ];
+    text.push_str(opens[random.below(opens.len())]);
+    text
+}
+
+/// A fastener that the first body drives into the ground, with a blow that the key may switch off.
+fn fastener(random: &mut Random) -> String {
+    let laws = [
+        "kind = \"constant\", force = \"150 N\"",
+        "kind = \"table\", points = [[\"0 mm\", \"0 N\"], [\"2 mm\", \"120 N\"], [\"5 mm\", \"300 N\"]]",
+        "kind = \"solid_wood\", hardness = \"40 N/mm\", offset = 0.1",
+        "kind = \"wood\", resistance = \"solid_wood\", density = \"500 kg/m3\", hardness = \"40 N/mm\", diameter = \"1 mm\", \
+         head_diameter = \"2 mm\"",
+    ];
+    let mut text = format!(
+        "[cycle.fastener.nail]\nplace = {{ driver = \"b0\", into = \"ground\", head_at = \"1 mm\", tip_at = \"1.2 mm\" }}\n\
+         item = {{ length = \"3 mm\", mass = \"{:.3} g\" }}\nlaw = {{ {} }}\n\
+         seated = {{ head_stiffness = \"200 N/mm\", unloading = \"2 kN/mm\" }}\n",
+        random.between(0.05, 2.0),
+        laws[random.below(laws.len())]
+    );
+    if random.chance(70) {
+        let condition = ["", "if = \"own.count > 5\"\n"][random.below(2)];
+        let _ = write!(
+            text,
+            "[cycle.blow.nail]\n{condition}rod = {{ length = \"{:.3} mm\", area = \"=disc(bore/5)\", modulus = \"207 GPa\", \
+             density = \"7850 kg/m3\" }}\nshank = {{ diameter = \"1 mm\", head_diameter = \"2 mm\", legs = {} }}\n\
+             wood = {{ density = \"500 kg/m3\", shear_speed = \"900 m/s\" }}\n",
+            random.between(10.0, 150.0),
+            1 + random.below(2)
+        );
     }
     text
 }

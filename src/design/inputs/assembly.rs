@@ -112,11 +112,15 @@ pub(crate) fn cycle(design: &Design) -> Result<Option<AssembledCycle>, Error> {
 /// structure.
 fn unsupported(design: &Design, resolved: &Resolved) -> Option<(String, &'static str)> {
     let coupled = design.support.coupling == Coupling::TwoWay;
-    (coupled && body(&resolved.assembly, WORKPIECE).is_none()).then(|| {
-        let remedy = "set `support.coupling = \"one-way\"`: the assembly has no body `workpiece` on which the support \
-                      could act";
-        ("support.coupling".to_owned(), remedy)
-    })
+    let remedy = if body(&resolved.assembly, WORKPIECE).is_none() {
+        "set `support.coupling = \"one-way\"`: the assembly has no body `workpiece` on which the support could act"
+    } else if !resolved.assembly.blows.is_empty() {
+        "set `support.coupling = \"one-way\"`: a block `[cycle.blow]` of the assembly needs a cycle that is complete \
+         before the structures respond"
+    } else {
+        return None;
+    };
+    coupled.then(|| ("support.coupling".to_owned(), remedy))
 }
 
 /// A key of the cycle with a value that the assembly does not follow, and what to do instead.
@@ -138,9 +142,9 @@ fn ignored(design: &Design, resolved: &Resolved) -> Option<(String, &'static str
                 "give the law of the fastener in the assembly: `law = { kind = \"constant\", force = .. }` or \
                  `law = { kind = \"table\", .. }`"
             }
-            ("model.blow", Value::Choice("elastic")) => {
-                "remove it: the elastic blow is computed from the keys of piston and nail and the cycle of a design \
-                 without `[cycle]`; that of an assembly is rigid"
+            ("model.blow", Value::Choice("elastic")) if resolved.assembly.blows.is_empty() => {
+                "describe the bars of driver and fastener in the assembly: `[cycle.blow.FASTENER]` with `rod`, `shank` \
+                 and `wood`, as in the assembly stapler"
             }
             ("wood.rate", Value::Choice("speed")) | ("wood.head_law", Value::Choice("yields")) => {
                 "remove it: no formula of the assembly reads the key, as those of the assembly n80cb do"

@@ -1,6 +1,8 @@
 //! Inputs of the responses of workpiece, support and tool.
 
+use nailnoise_dynamics::blow::BlowInput;
 use nailnoise_dynamics::network::assembly::Base;
+use nailnoise_dynamics::{BlowModel, blow_input};
 use nailnoise_fem::vibration::Support;
 
 use super::assembly::{body, tool_mass};
@@ -22,7 +24,7 @@ pub(crate) fn shot(design: &Design, engine: &Engine) -> Result<ShotInputs, Error
     Ok(ShotInputs {
         added_sand,
         gravity: design.ambient.gravity,
-        fastener: fastener(design, engine),
+        fastener: fastener(design, engine)?,
         supports: springs(design)?,
         step: design.analysis.time_step,
         duration: design.analysis.duration,
@@ -42,19 +44,45 @@ fn springs(design: &Design) -> Result<Vec<Support>, Error> {
 }
 
 /// The fastener in the workpiece; none for a tool that drives none.
-fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
-    let law = match engine {
-        Engine::Keys(cycle) => FastenerLaw::Nail(Box::new(cycle.parameters.clone())),
+///
+/// # Errors
+/// Those of a cycle that are found before its run.
+fn fastener(design: &Design, engine: &Engine) -> Result<Option<DrivenFastener>, Error> {
+    let (law, mut blows) = match engine {
+        Engine::Keys(cycle) => {
+            let parameters = &cycle.parameters;
+            let blow = match parameters.model.blow {
+                BlowModel::Rigid => None,
+                BlowModel::Elastic => blow_input(parameters)?,
+            };
+            let law = FastenerLaw::Nail(Box::new(parameters.clone()));
+            (law, blow.into_iter().collect::<Vec<_>>())
+        }
         Engine::Assembly(cycle) => {
-            let workpiece = body(&cycle.assembly, WORKPIECE)?;
-            let mut fasteners = cycle.assembly.fasteners.iter();
-            FastenerLaw::Fastener(fasteners.find(|own| own.into == Base::Body(workpiece))?.clone())
+            let assembly = &cycle.assembly;
+            let Some(workpiece) = body(assembly, WORKPIECE) else {
+                return Ok(None);
+            };
+            let driven = || {
+                let fasteners = assembly.fasteners.iter().enumerate();
+                fasteners.filter(|(_, own)| own.into == Base::Body(workpiece))
+            };
+            let Some((_, first)) = driven().next() else {
+                return Ok(None);
+            };
+            let blows = driven().filter_map(|(index, _)| BlowInput::of(assembly, index));
+            (FastenerLaw::Fastener(first.clone()), blows.collect())
         }
     };
-    Some(DrivenFastener {
+    let friction_share = design.wood.friction_share;
+    for blow in &mut blows {
+        blow.friction_share = friction_share;
+    }
+    Ok(Some(DrivenFastener {
         law,
-        friction_share: design.wood.friction_share,
-    })
+        friction_share,
+        blows,
+    }))
 }
 
 /// A contact of the cycle on a surface of the housing.

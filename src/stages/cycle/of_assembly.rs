@@ -6,11 +6,11 @@
 
 use std::collections::BTreeMap;
 
-use nailnoise_dynamics::Body;
 use nailnoise_dynamics::network::assembly::{
     self, Base, Channel, Contact, Expression, Family, Passage, Quantity, Space,
 };
 use nailnoise_dynamics::network::{Assembly, FlowHistory, LoadHistory, Record};
+use nailnoise_dynamics::{Body, critical_ratio};
 use nailnoise_penetration::RateLaw;
 
 use super::of_keys::impulse_correction;
@@ -309,8 +309,7 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
 fn choked_fraction(assembly: &Assembly, record: &Record, volume: &str) -> Option<f64> {
     let pressure = record.get(&format!("{volume}.pressure"))?;
     let atmosphere = assembly.reservoirs.iter().find(|own| own.name == "atmosphere")?;
-    let ratio = assembly.heat_capacity_ratio;
-    let critical = (2.0 / (ratio + 1.0)).powf(ratio / (ratio - 1.0));
+    let critical = critical_ratio(assembly.heat_capacity_ratio);
     let is_here = |space: Space| matches!(space, Space::Volume(index) if assembly.volumes[index].name == volume);
     let is_further = |space: Space| match space {
         Space::Reservoir(_) => true,

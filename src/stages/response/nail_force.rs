@@ -16,10 +16,10 @@
 //! frequencies of F_pen above 2 kHz.
 
 use nailnoise_acoustics::signals::fourier::RealTransform;
-use nailnoise_dynamics::blow::elastic_blow;
+use nailnoise_dynamics::Parameters;
+use nailnoise_dynamics::blow::{Blow, BlowInput, Course, elastic_blow};
 use nailnoise_dynamics::network::FastenerResistance;
 use nailnoise_dynamics::network::assembly::Fastener;
-use nailnoise_dynamics::{BlowModel, CycleRecord, Parameters};
 use nailnoise_penetration::{Envelope, RateLaw};
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -38,6 +38,8 @@ pub struct DrivenFastener {
     pub law: FastenerLaw,
     /// Fraction of the resistance at full depth that is friction along the shank.
     pub friction_share: f64,
+    /// Elastic blows on the fasteners in the work; those without one are rigid.
+    pub blows: Vec<BlowInput>,
 }
 
 /// Law of the work's resistance to a fastener.
@@ -66,7 +68,7 @@ enum Curve {
 pub(super) struct FastenerForces {
     /// Downward force at each station: stations x samples \[N\]. Each column sums to F_pen.
     pub(super) stations: DMatrix<f64>,
-    /// Checks of an elastic blow.
+    /// Checks of elastic blows.
     pub(super) checks: Vec<Check>,
 }
 
@@ -74,7 +76,7 @@ pub(super) struct FastenerForces {
 pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<FastenerForces> {
     let on = shot.workpiece.as_ref()?;
     let resistance = Resistance::of(driven);
-    let (force, speed, checks) = penetration(driven, shot, on);
+    let ((force, checks), speed) = (penetration(driven, shot, on), speed(driven, shot, on));
     let mut stations = DMatrix::zeros(STATIONS, force.len());
     for (sample, mut column) in stations.column_iter_mut().enumerate() {
         let depth = on.deepest[sample];
@@ -86,47 +88,44 @@ pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<Faste
     Some(FastenerForces { stations, checks })
 }
 
-/// F_pen at the samples of a shot, the speed of a nail whose resistance depends on it, and the checks of an elastic
-/// blow.
-fn penetration(
-    driven: &DrivenFastener,
-    shot: &ShotRecord,
-    on: &OnWorkpiece,
-) -> (Vec<f64>, Option<Vec<f64>>, Vec<Check>) {
+/// F_pen at the samples of a shot, and the checks of elastic blows.
+fn penetration(driven: &DrivenFastener, shot: &ShotRecord, on: &OnWorkpiece) -> (Vec<f64>, Vec<Check>) {
+    let (mut force, mut checks) = (on.fastener.clone(), Vec::new());
+    for input in &driven.blows {
+        let course = match &shot.record {
+            EngineRecord::Keys(record) => Course::of_keys(record),
+            EngineRecord::Assembly(record) => Course::of_record(input, record),
+        };
+        let blow = course.and_then(|course| Some((elastic_blow(input, &course)?, course)));
+        if let Some((blow, course)) = blow {
+            let more = above_crossover(&blow, &course);
+            force.iter_mut().zip(more).for_each(|(force, more)| *force += more);
+            checks.extend(blow.checks);
+        }
+    }
+    (force, checks)
+}
+
+/// Speed of a nail or fastener into the wood, if its resistance depends on it.
+fn speed(driven: &DrivenFastener, shot: &ShotRecord, on: &OnWorkpiece) -> Option<Vec<f64>> {
     let (FastenerLaw::Nail(parameters), EngineRecord::Keys(record)) = (&driven.law, &shot.record) else {
-        return (on.fastener.clone(), on.fastener_speed.clone(), Vec::new());
+        return on.fastener_speed.clone();
     };
-    let speed = match parameters.wood.rate {
+    match parameters.wood.rate {
         RateLaw::None => None,
         RateLaw::Speed => {
             let pairs = record.piston.velocity.iter().zip(&record.workpiece.velocity);
             Some(pairs.map(|(piston, wood)| (piston - wood).max(0.0)).collect())
         }
-    };
-    let blow = match parameters.model.blow {
-        BlowModel::Rigid => None,
-        BlowModel::Elastic => elastic_blow(parameters, record),
-    };
-    match blow {
-        None => (on.fastener.clone(), speed, Vec::new()),
-        Some(blow) => (above_crossover(record, &blow.on_wood), speed, blow.checks),
     }
 }
 
-/// The force of a cycle with that of an elastic blow above [`CROSSOVER`].
-fn above_crossover(record: &CycleRecord, elastic: &[f64]) -> Vec<f64> {
-    let rigid = &record.forces.penetration;
-    let mut difference: Vec<f64> = elastic
-        .iter()
-        .zip(rigid)
-        .map(|(elastic, rigid)| elastic - rigid)
-        .collect();
-    high_pass(&mut difference, record.sample_interval);
-    rigid
-        .iter()
-        .zip(&difference)
-        .map(|(rigid, more)| rigid + more)
-        .collect()
+/// What the force of an elastic blow adds to that of its cycle above [`CROSSOVER`].
+fn above_crossover(blow: &Blow, course: &Course<'_>) -> Vec<f64> {
+    let pairs = blow.on_wood.iter().zip(course.resistance);
+    let mut difference: Vec<f64> = pairs.map(|(elastic, rigid)| elastic - rigid).collect();
+    high_pass(&mut difference, course.interval);
+    difference
 }
 
 /// Removes frequencies below [`CROSSOVER`] without a time shift; the pass band begins as a raised cosine over the

@@ -7,6 +7,7 @@ use nailnoise_penetration::ForceTable;
 use nailnoise_penetration::fit::FittedLaw;
 use serde::Serialize;
 
+mod blow;
 mod event;
 mod expression;
 mod gas;
@@ -14,6 +15,7 @@ mod mechanics;
 mod output;
 mod reference;
 
+pub use blow::{ElasticBlow, Rod};
 pub use event::{Action, Condition, Edge, Event, Outcome, OutcomeTest, Pick, Trigger, Word};
 pub use expression::{Binary, Channel, Comparison, Expression, Function, Quantity, Sensor};
 pub use gas::{
@@ -73,6 +75,9 @@ pub struct Assembly {
     pub holds: Vec<Hold>,
     /// Fasteners, at most one per driver.
     pub fasteners: Vec<Fastener>,
+    /// Elastic blows on fasteners, at most one per fastener. They do not act on the cycle, but on the force on the work
+    /// above its frequencies.
+    pub blows: Vec<ElasticBlow>,
     /// Boolean signals that passages, motors and latches follow.
     pub triggers: Vec<Trigger>,
     /// Named expressions.

@@ -174,6 +174,22 @@ pub enum Fault {
         /// Words of the block.
         known: Vec<String>,
     },
+    /// Words of a block stand in place of a condition.
+    #[error("is \"{word}\", which is no condition")]
+    WordForCondition {
+        /// Text as given.
+        word: String,
+        /// Words of the block.
+        known: Vec<String>,
+    },
+    /// Words stand in place of an expression over channels.
+    #[error("is \"{words}\", which is no expression")]
+    WordsForExpression {
+        /// Text as given.
+        words: String,
+        /// Channels of the block.
+        channels: Vec<String>,
+    },
     /// Two blocks have the same name.
     #[error("has the name of a {other}")]
     DuplicateName {
@@ -343,6 +359,21 @@ impl Fault {
                 format!(
                     "it takes the name of an event: add one to [cycle.event]{example}; {}",
                     logged(known)
+                )
+            }
+            Self::WordForCondition { known, .. } if known.is_empty() => logged(known),
+            Self::WordForCondition { word, known } => {
+                let near = nearest(known.iter().map(String::as_str), word).or(known.first().map(String::as_str));
+                format!(
+                    "give a condition, as \"piston.travel > 1 mm\"; the event of a word has becomes = \"{}\" instead; {}",
+                    near.unwrap_or_default(),
+                    logged(known)
+                )
+            }
+            Self::WordsForExpression { channels, .. } => {
+                format!(
+                    "give an expression; the channels of the block are {}",
+                    channels.join(", ")
                 )
             }
             Self::DuplicateName { .. } => "rename one of them; channels are named by their block".to_owned(),

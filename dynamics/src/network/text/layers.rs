@@ -47,7 +47,7 @@ const DEEPEST: usize = 16;
 pub const LAYOUT: [&str; 5] = ["place", "item", "seated", "acts", "flow"];
 
 /// Tables of `[cycle]` that contain blocks by name.
-pub(super) const FAMILIES: [&str; 17] = [
+pub(super) const FAMILIES: [&str; 18] = [
     "reservoir",
     "body",
     "volume",
@@ -60,6 +60,7 @@ pub(super) const FAMILIES: [&str; 17] = [
     "motor",
     "hold",
     "fastener",
+    "blow",
     "trigger",
     "sensor",
     "event",

@@ -12,7 +12,7 @@ use crate::network::assembly::{
 use crate::network::text::compile::{Compiled, Scalar};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
-use crate::network::text::names::{Block, words};
+use crate::network::text::names::{Block, quantities, words};
 use crate::network::text::node::{Node, Tree};
 use crate::network::text::resolver::{Resolver, StateScope, kind_of};
 
@@ -110,6 +110,16 @@ pub(super) fn expression(
         off_is_zero,
         sensors,
     };
+    if let Some(block) = block_of_words(fields.resolver, text) {
+        let channels = quantities(block.block.family).iter();
+        return Err(fields.error(
+            key,
+            Fault::WordsForExpression {
+                words: text.to_owned(),
+                channels: channels.map(|(own, _)| format!("{}.{own}", block.name)).collect(),
+            },
+        ));
+    }
     let node = fields.get(key).unwrap_or(fields.node);
     match fields.resolver.formula(&fields.full(key), node, text, &scope)? {
         Compiled::Scalar(scalar) => Ok(Some(scalar)),
@@ -220,6 +230,14 @@ fn all_words(resolver: &Resolver<'_>, passages: &[Passage]) -> Vec<String> {
 
 /// The words of the block with which a text begins, if the text is words and not an expression.
 fn words_of_named(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Vec<String>> {
+    let found = block_of_words(resolver, text)?;
+    Some(words_of(resolver, passages, &|block: &Block<'_>| {
+        block.block == found.block
+    }))
+}
+
+/// The block with which a text begins, if the text is words and not an expression.
+fn block_of_words<'r, 'a>(resolver: &'r Resolver<'a>, text: &str) -> Option<&'r Block<'a>> {
     let (name, action) = text.trim().split_once(char::is_whitespace)?;
     let is_words = action.chars().all(|c| c.is_alphabetic() || c == '_' || c == ' ');
     // `and` and `or` combine conditions.
@@ -227,10 +245,7 @@ fn words_of_named(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> 
         .split_whitespace()
         .any(|word| matches!(word, "and" | "or" | "not"));
     let name = name.split_once('.').map_or(name, |(name, _)| name);
-    let found = resolver.names.find(name).filter(|_| is_words && !is_condition)?;
-    Some(words_of(resolver, passages, &|block: &Block<'_>| {
-        block.block == found.block
-    }))
+    resolver.names.find(name).filter(|_| is_words && !is_condition)
 }
 
 /// All words of some blocks.
@@ -285,8 +300,10 @@ fn trigger_words(fields: &Fields<'_, '_>, key: &str, passages: &[Passage]) -> Re
         // Triggers that follow each other could switch endlessly.
         let word = word(fields.resolver, passages, text).filter(|word| word.block.family != Family::Trigger);
         word.ok_or_else(|| {
+            let named = block_of_words(fields.resolver, text).filter(|block| block.block.family != Family::Trigger);
+            let known = named.and_then(|_| words_of_named(fields.resolver, passages, text));
+            let known = known.unwrap_or_else(|| all_words(fields.resolver, passages));
             let word = text.to_owned();
-            let known = all_words(fields.resolver, passages);
             fields.error(key, Fault::UnknownWord { word, known })
         })
     };
@@ -373,8 +390,13 @@ pub(super) fn events(
     for (name, fields) in &blocks {
         fields.one_of(&["at", "becomes", "is"], "becomes = \"piston.travel > 1 mm\"")?;
         let condition = |key: &str| {
-            let of = |node: &Node| condition(fields, &fields.full(key), node, &dimensions);
-            fields.get(key).map(of).transpose()
+            let Some(node) = fields.get(key) else { return Ok(None) };
+            let text = node.text().unwrap_or_default();
+            if let Some(known) = words_of_named(resolver, passages, text) {
+                let word = text.to_owned();
+                return Err(fields.error(key, Fault::WordForCondition { word, known }));
+            }
+            condition(fields, &fields.full(key), node, &dimensions).map(Some)
         };
         let becomes = fields.get("becomes").and_then(Node::text);
         let logged = becomes.and_then(|text| word(resolver, passages, text));
@@ -434,7 +456,11 @@ pub(super) fn events(
 }
 
 /// Outcomes in order: pairs in an array, or a table of tests by name.
-pub(super) fn outcomes(top: &Fields<'_, '_>, sensors: &[Measured]) -> Result<Vec<Outcome>, AssemblyError> {
+pub(super) fn outcomes(
+    top: &Fields<'_, '_>,
+    sensors: &[Measured],
+    passages: &[Passage],
+) -> Result<Vec<Outcome>, AssemblyError> {
     const EXPECTED: &str = "names and tests, as [[\"drives\", \"t12\"]] or { drives = \"t12\" }";
     let wrong = || top.wrong("outcome", EXPECTED);
     let mut tests: Vec<(&str, &Node)> = Vec::new();
@@ -456,6 +482,12 @@ pub(super) fn outcomes(top: &Fields<'_, '_>, sensors: &[Measured]) -> Result<Vec
     }
     let read = |(name, test): (&str, &Node)| {
         let text = test.text().ok_or_else(wrong)?;
+        let word = text.strip_prefix("no ").unwrap_or(text);
+        if let Some(known) = words_of_named(top.resolver, passages, word).filter(|_| !word.contains(" before ")) {
+            let word = word.to_owned();
+            let fault = Fault::WordForEvent { word, known };
+            return Err(top.resolver.error("cycle.outcome", &test.spot, fault));
+        }
         Ok(Outcome {
             name: name.to_owned(),
             test: outcome_test(top, test, text, &dimensions(sensors))?,

@@ -1,7 +1,7 @@
 //! Blocks of a family by name, and small queries about them.
 
 use crate::network::assembly::{Base, Family, Space};
-use crate::network::text::fault::AssemblyError;
+use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::names::family_name;
 use crate::network::text::node::Node;
@@ -39,6 +39,39 @@ pub(super) fn entries<'r, 'a>(
         if resolver.is_on(&path, &entry.node)? {
             found.push((entry.key.as_str(), Fields::new(resolver, path, &entry.node, spec)?));
         }
+    }
+    Ok(found)
+}
+
+/// The entries of a table whose names are those of blocks of a family, as `[cycle.load.tool]`, with the indices of the
+/// blocks.
+pub(super) fn of_named<'r, 'a>(
+    resolver: &'r Resolver<'a>,
+    table: &str,
+    (family, wanted): (Family, &str),
+    spec: &'static TableSpec,
+) -> Result<Vec<(usize, Fields<'r, 'a>)>, AssemblyError> {
+    let mut found = Vec::new();
+    for entry in resolver.text.cycle.get(table).map_or(&[][..], Node::entries) {
+        let path = format!("cycle.{table}.{}", entry.key);
+        let fields = Fields::new(resolver, path.clone(), &entry.node, spec)?;
+        if !resolver.is_on(&path, &entry.node)? {
+            continue;
+        }
+        let name = entry.key.clone();
+        let fault = match resolver.names.index(&name, family) {
+            Some(block) => {
+                found.push((block, fields));
+                continue;
+            }
+            None if resolver.names.off.contains(&name.as_str()) => Fault::SwitchedOff { name },
+            None => Fault::UnknownName {
+                name,
+                wanted: wanted.to_owned(),
+                known: resolver.names.of(&[family]),
+            },
+        };
+        return Err(resolver.error(&path, &entry.spot, fault));
     }
     Ok(found)
 }

@@ -1,5 +1,6 @@
 //! The families of blocks, one module per kind.
 
+mod blow;
 mod columns;
 mod events;
 mod fastener;
@@ -40,6 +41,7 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
     let bodies = mechanics::bodies(resolver, &parents, gravity)?;
     let volumes = gas::volumes(resolver, atmosphere.temperature)?;
     let passages = gas::passages(resolver, &parents)?;
+    let fasteners = fastener::fasteners(resolver, &bodies)?;
     let sensors = events::sensors(resolver)?;
     let events = events::events(resolver, &sensors, &passages)?;
     Ok(Assembly {
@@ -60,9 +62,10 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
         forces: mechanics::forces(resolver)?,
         motors: mechanics::motors(resolver, &parents)?,
         holds: mechanics::holds(resolver, &parents, &bodies)?,
-        fasteners: fastener::fasteners(resolver, &bodies)?,
+        blows: blow::blows(resolver, &fasteners)?,
+        fasteners,
         triggers: events::triggers(resolver, &passages)?,
-        outcomes: events::outcomes(&top, &sensors)?,
+        outcomes: events::outcomes(&top, &sensors, &passages)?,
         openings: outputs::openings(resolver, &passages)?,
         loads: outputs::loads(resolver, &sensors)?,
         pressures: outputs::pressures(resolver, &sensors)?,

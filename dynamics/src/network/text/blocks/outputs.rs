@@ -3,17 +3,18 @@
 use nailnoise_quantities::dimension::{FORCE, LENGTH};
 
 use super::events::{Measured, dimensions, expect, expression};
-use super::list::entries;
+use super::list::{entries, of_named};
 use super::tables::outputs::{LOAD, OPENING, PRESSURE};
 use crate::network::assembly::{Family, Load, Opening, Opens, Passage, PressurePatch, PressureSurface};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
-use crate::network::text::node::Node;
 use crate::network::text::resolver::Resolver;
-use crate::network::text::table::TableSpec;
 
 /// Largest difference of an opening's area from that of its restriction, as a fraction of it: dimensions are rounded.
 const AREA_TOLERANCE: f64 = 0.01;
+
+/// What the tables of `[cycle.load]` and `[cycle.pressure]` are named after.
+const BODY: (Family, &str) = (Family::Body, "body");
 
 pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Opening>, AssemblyError> {
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
@@ -92,38 +93,10 @@ fn outlet(fields: &Fields<'_, '_>) -> Result<Option<String>, AssemblyError> {
         .ok_or_else(|| fields.wrong("outlet", &fields.expected("outlet")))
 }
 
-/// The tables by body of `[cycle.load]` or `[cycle.pressure]`, with the indices of the bodies.
-fn surfaces<'r, 'a>(
-    resolver: &'r Resolver<'a>,
-    table: &str,
-    spec: &'static TableSpec,
-) -> Result<Vec<(usize, Fields<'r, 'a>)>, AssemblyError> {
-    let mut found = Vec::new();
-    for entry in resolver.text.cycle.get(table).map_or(&[][..], Node::entries) {
-        let path = format!("cycle.{table}.{}", entry.key);
-        let fields = Fields::new(resolver, path.clone(), &entry.node, spec)?;
-        if !resolver.is_on(&path, &entry.node)? {
-            continue;
-        }
-        match resolver.names.index(&entry.key, Family::Body) {
-            Some(body) => found.push((body, fields)),
-            None => {
-                let fault = Fault::UnknownName {
-                    name: entry.key.clone(),
-                    wanted: "body".to_owned(),
-                    known: resolver.names.of(&[Family::Body]),
-                };
-                return Err(resolver.error(&path, &entry.spot, fault));
-            }
-        }
-    }
-    Ok(found)
-}
-
 pub(super) fn loads(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<Load>, AssemblyError> {
     let dimensions = dimensions(sensors);
     let mut loads = Vec::new();
-    for (body, fields) in surfaces(resolver, "load", &LOAD)? {
+    for (body, fields) in of_named(resolver, "load", BODY, &LOAD)? {
         for surface in fields.node.entries().iter().filter(|surface| surface.key != "if") {
             let force =
                 expression(&fields, &surface.key, &dimensions, true)?.ok_or_else(|| fields.missing(&surface.key))?;
@@ -141,7 +114,7 @@ pub(super) fn loads(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec
 pub(super) fn pressures(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<PressureSurface>, AssemblyError> {
     let dimensions = dimensions(sensors);
     let mut pressures = Vec::new();
-    for (body, fields) in surfaces(resolver, "pressure", &PRESSURE)? {
+    for (body, fields) in of_named(resolver, "pressure", BODY, &PRESSURE)? {
         for surface in fields.node.entries().iter().filter(|surface| surface.key != "if") {
             let key = surface.key.as_str();
             let patch = match surface.node.text() {

@@ -1,5 +1,6 @@
 //! The tables of `[cycle]`, one module per kind, with the domains and examples that the readers use.
 
+pub(super) mod blow;
 pub(super) mod events;
 pub(super) mod fastener;
 pub(super) mod gas;
@@ -112,6 +113,11 @@ pub const CYCLE: TableSpec = TableSpec::of(
             "fastener",
             &fastener::FASTENER,
             "fasteners that a body drives into another",
+        ),
+        blocks(
+            "blow",
+            &blow::BLOW,
+            "for each fastener, elastic bars of driver and fastener: the waves of the impact",
         ),
         blocks(
             "trigger",

@@ -1,0 +1,157 @@
+//! Histories of a cycle that a blow uses.
+
+use super::BlowInput;
+use crate::network::Record;
+use crate::{CycleRecord, Direction};
+
+/// Motion of the body that a fastener enters, at the samples of a cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct WorkMotion<'a> {
+    /// Position \[m\].
+    pub position: &'a [f64],
+    /// Velocity \[m/s\].
+    pub velocity: &'a [f64],
+}
+
+/// Motion of the driver, at the samples of a cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct DriverMotion<'a> {
+    /// Position \[m\].
+    pub position: &'a [f64],
+    /// Velocity \[m/s\].
+    pub velocity: &'a [f64],
+    /// Acceleration \[m/s2\].
+    pub acceleration: &'a [f64],
+    /// Its mass, with that of the fastener while it drives it \[kg\].
+    pub moving_mass: &'a [f64],
+}
+
+/// The cycle around a blow: when the driver strikes the fastener, and the histories of the bodies.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// Interval of the samples \[s\].
+    pub interval: f64,
+    /// Time of the first impact \[s\].
+    pub strike: f64,
+    /// Velocity of the driver before it \[m/s\].
+    pub speed: f64,
+    /// The driver.
+    pub driver: DriverMotion<'a>,
+    /// The body that the fastener enters; `None` for the ground.
+    pub work: Option<WorkMotion<'a>>,
+    /// Velocity of the body that guides the fastener; `None` for the ground \[m/s\].
+    pub guide: Option<&'a [f64]>,
+    /// Resistance of the work to the fastener \[N\].
+    pub resistance: &'a [f64],
+}
+
+impl<'a> Course<'a> {
+    /// The cycle of an assembly; `None` if the driver does not strike the fastener or the record has no histories.
+    pub fn of_record(input: &BlowInput, record: &'a Record) -> Option<Self> {
+        let strike = record.strikes.iter().find(|own| own.fastener == input.fastener.name)?;
+        let of = |block: &str, quantity: &str| record.get(&format!("{block}.{quantity}"));
+        let driver = input.driver.as_str();
+        Some(Self {
+            interval: record.interval?,
+            strike: strike.time,
+            speed: strike.before,
+            driver: DriverMotion {
+                position: of(driver, "position")?,
+                velocity: of(driver, "velocity")?,
+                acceleration: of(driver, "acceleration")?,
+                moving_mass: of(driver, "moving_mass")?,
+            },
+            work: match &input.work {
+                None => None,
+                Some(work) => Some(WorkMotion {
+                    position: of(work, "position")?,
+                    velocity: of(work, "velocity")?,
+                }),
+            },
+            guide: match &input.guide {
+                None => None,
+                Some(guide) => Some(of(guide, "velocity")?),
+            },
+            resistance: of(&input.fastener.name, "force")?,
+        })
+    }
+
+    /// The cycle of the tool of a design's keys; `None` if its rod does not strike the nail.
+    pub fn of_keys(record: &'a CycleRecord) -> Option<Self> {
+        let mut log = record.log.iter();
+        let strikes = |entry: &&crate::LogEntry| {
+            entry.crossing == crate::Crossing::NailDriven && entry.direction == Direction::Rising
+        };
+        Some(Self {
+            interval: record.sample_interval,
+            strike: log.find(strikes)?.time,
+            speed: record.summary.speed_before_impact?,
+            driver: DriverMotion {
+                position: &record.piston.position,
+                velocity: &record.piston.velocity,
+                acceleration: &record.piston.acceleration,
+                moving_mass: &record.motion.moving_mass,
+            },
+            work: Some(WorkMotion {
+                position: &record.workpiece.position,
+                velocity: &record.workpiece.velocity,
+            }),
+            guide: Some(&record.tool.velocity),
+            resistance: &record.forces.penetration,
+        })
+    }
+
+    /// Number of samples.
+    pub(super) fn len(&self) -> usize {
+        self.resistance.len()
+    }
+
+    /// Forces on the driver other than gravity and the resistance of the work, from its equation of motion \[N\].
+    pub(super) fn push(&self, gravity: f64) -> Vec<f64> {
+        let motion = self.driver.moving_mass.iter().zip(self.driver.acceleration);
+        let pairs = motion.zip(self.resistance);
+        pairs
+            .map(|((mass, acceleration), resistance)| mass * (acceleration - gravity) + resistance)
+            .collect()
+    }
+
+    /// Time at which the fastener, whose tip enters the work at the driver's position `tip_at` over it \[m\], first stops
+    /// relative to the work \[s\], with linear interpolation between samples; `None` if it does not.
+    pub(super) fn stop(&self, tip_at: f64) -> Option<f64> {
+        let of = |values: Option<&[f64]>, n: usize| values.map_or(0.0, |values| values[n]);
+        let advance = |n: usize| self.driver.velocity[n] - of(self.work.map(|work| work.velocity), n);
+        let depth = |n: usize| self.driver.position[n] - of(self.work.map(|work| work.position), n) - tip_at;
+        let first = (self.strike / self.interval).ceil() as usize + 1;
+        let stopped = (first..self.len()).find(|n| depth(*n) > 0.0 && advance(*n) <= 0.0)?;
+        let [before, after] = [advance(stopped - 1), advance(stopped)];
+        let part = if before > after { before / (before - after) } else { 1.0 };
+        Some(((stopped - 1) as f64 + part.clamp(0.0, 1.0)) * self.interval)
+    }
+}
+
+/// Values of a cycle at a time, by linear interpolation.
+#[derive(Clone, Copy)]
+pub(super) struct Sampled {
+    sample: usize,
+    part: f64,
+}
+
+impl Sampled {
+    pub(super) fn new(course: &Course<'_>, time: f64) -> Self {
+        let position = (time / course.interval).max(0.0);
+        let sample = (position as usize).min(course.len().saturating_sub(2));
+        Self {
+            sample,
+            part: (position - sample as f64).min(1.0),
+        }
+    }
+
+    pub(super) fn of(self, values: &[f64]) -> f64 {
+        values[self.sample] + self.part * (values[self.sample + 1] - values[self.sample])
+    }
+
+    /// The value of a body; zero for the ground.
+    pub(super) fn of_base(self, values: Option<&[f64]>) -> f64 {
+        values.map_or(0.0, |values| self.of(values))
+    }
+}
