@@ -186,8 +186,8 @@ impl Support {
     }
 }
 
-/// P_cr = (2/(gamma+1))^(gamma/(gamma-1)), critical pressure ratio of the ideal nozzle for a gas with the ratio gamma of
-/// heat capacities \[-\].
+/// P_cr = (2/(gamma+1))^(gamma/(gamma-1)), critical pressure ratio of the ideal nozzle \[-\], for the ratio gamma of
+/// heat capacities.
 pub fn critical_ratio(gamma: f64) -> f64 {
     (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0))
 }

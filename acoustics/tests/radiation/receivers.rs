@@ -209,3 +209,21 @@ fn the_array_is_that_of_the_standard() {
     assert!((environmental_correction(16.0, 64.0).unwrap() - 10.0 * 2f64.log10()).abs() < 1e-12);
     assert!(environmental_correction(16.0, 0.0).is_err());
 }
+
+/// L_W = L_p + 10 lg S counts waves that cross the box obliquely in full: a point source at its centre, with its image
+/// in the reflecting plane, reads too much.
+#[test]
+fn the_array_reads_more_than_the_power_of_a_point_source() {
+    for (height, excess) in [(0.938, 1.23), (0.2, 0.69)] {
+        let around = Iso3744Box::around(height);
+        let [source, image] = [height, -height].map(|z| Vector3::new(0.0, 0.0, z));
+        // Intensity over power.
+        let at = |microphone: &Vector3<f64>| {
+            let of = |from: Vector3<f64>| 1.0 / (4.0 * PI * (microphone - from).norm_squared());
+            of(source) + of(image)
+        };
+        let mean = around.positions().iter().map(at).sum::<f64>() / 9.0;
+        let found = 10.0 * (mean * around.area()).log10();
+        assert!((found - excess).abs() < 0.005, "{found} dB for a centre at {height} m");
+    }
+}

@@ -1,6 +1,6 @@
 //! Histories of a cycle that a blow uses.
 
-use super::BlowInput;
+use super::input::BlowInput;
 use crate::network::Record;
 use crate::{CycleRecord, Direction};
 
@@ -115,8 +115,8 @@ impl<'a> Course<'a> {
             .collect()
     }
 
-    /// Time at which the fastener, whose tip enters the work at the driver's position `tip_at` over it \[m\], first stops
-    /// relative to the work \[s\], with linear interpolation between samples; `None` if it does not.
+    /// Time at which the fastener first stops in the work \[s\], with linear interpolation between samples; `None` if
+    /// it does not. Its tip enters the work where the driver's position relative to it is `tip_at` \[m\].
     pub(super) fn stop(&self, tip_at: f64) -> Option<f64> {
         let of = |values: Option<&[f64]>, n: usize| values.map_or(0.0, |values| values[n]);
         let advance = |n: usize| self.driver.velocity[n] - of(self.work.map(|work| work.velocity), n);

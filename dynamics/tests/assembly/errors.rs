@@ -118,7 +118,7 @@ fn names_must_exist_and_be_unique() {
             &[
                 "is \"nail hits\", which is no condition",
                 "becomes = \"nail seats\" instead",
-                "the words of the block are nail struck, nail left, nail enters, nail seats, nail unloads, nail reloads",
+                "the words of the block are nail struck, nail left, nail enters, nail seats",
             ],
         ),
         (

@@ -37,8 +37,9 @@ pub(crate) fn first_seed() -> u64 {
     given.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-/// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds with their options, contacts,
-/// springs, friction, a trigger and events; formulas over a key; blocks that an `if` switches; a fastener with a blow.
+/// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds with their options,
+/// contacts, springs, friction, a trigger and events; formulas over a key; blocks that an `if` switches; a fastener
+/// with a blow.
 pub(crate) fn random_assembly(random: &mut Random) -> String {
     let (volumes, bodies) = (1 + random.below(5), random.below(4));
     let mut text = String::from(
@@ -205,11 +206,13 @@ fn fastener(random: &mut Random) -> String {
         "kind = \"constant\", force = \"150 N\"",
         "kind = \"table\", points = [[\"0 mm\", \"0 N\"], [\"2 mm\", \"120 N\"], [\"5 mm\", \"300 N\"]]",
         "kind = \"solid_wood\", hardness = \"40 N/mm\", offset = 0.1",
-        "kind = \"wood\", resistance = \"solid_wood\", density = \"500 kg/m3\", hardness = \"40 N/mm\", diameter = \"1 mm\", \
+        "kind = \"wood\", resistance = \"solid_wood\", density = \"500 kg/m3\", hardness = \"40 N/mm\", \
+         diameter = \"1 mm\", \
          head_diameter = \"2 mm\"",
     ];
     let mut text = format!(
-        "[cycle.fastener.nail]\nplace = {{ driver = \"b0\", into = \"ground\", head_at = \"1 mm\", tip_at = \"1.2 mm\" }}\n\
+        "[cycle.fastener.nail]\nplace = {{ driver = \"b0\", into = \"ground\", head_at = \"1 mm\", \
+         tip_at = \"1.2 mm\" }}\n\
          item = {{ length = \"3 mm\", mass = \"{:.3} g\" }}\nlaw = {{ {} }}\n\
          seated = {{ head_stiffness = \"200 N/mm\", unloading = \"2 kN/mm\" }}\n",
         random.between(0.05, 2.0),
@@ -219,7 +222,8 @@ fn fastener(random: &mut Random) -> String {
         let condition = ["", "if = \"own.count > 5\"\n"][random.below(2)];
         let _ = write!(
             text,
-            "[cycle.blow.nail]\n{condition}rod = {{ length = \"{:.3} mm\", area = \"=disc(bore/5)\", modulus = \"207 GPa\", \
+            "[cycle.blow.nail]\n{condition}rod = {{ length = \"{:.3} mm\", area = \"=disc(bore/5)\", \
+             modulus = \"207 GPa\", \
              density = \"7850 kg/m3\" }}\nshank = {{ diameter = \"1 mm\", head_diameter = \"2 mm\", legs = {} }}\n\
              wood = {{ density = \"500 kg/m3\", shear_speed = \"900 m/s\" }}\n",
             random.between(10.0, 150.0),

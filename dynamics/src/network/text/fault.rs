@@ -365,7 +365,8 @@ impl Fault {
             Self::WordForCondition { word, known } => {
                 let near = nearest(known.iter().map(String::as_str), word).or(known.first().map(String::as_str));
                 format!(
-                    "give a condition, as \"piston.travel > 1 mm\"; the event of a word has becomes = \"{}\" instead; {}",
+                    "give a condition, as \"piston.travel > 1 mm\"; the event of a word has becomes = \"{}\" \
+                     instead; {}",
                     near.unwrap_or_default(),
                     logged(known)
                 )
