@@ -57,6 +57,52 @@ fn the_n80cb_as_an_assembly_has_the_levels_of_its_keys() {
     }
 }
 
+/// Names and values of the checks of elastic blows.
+fn blow_checks(run: &Run) -> Vec<(String, bool)> {
+    let checks = run.result.checks.iter();
+    let of_blows = checks.filter(|check| check.name.contains("elastic blow"));
+    of_blows.map(|check| (check.name.to_string(), check.ok)).collect()
+}
+
+#[test]
+fn an_elastic_blow_of_the_n80cb_as_an_assembly_is_that_of_its_keys() {
+    let elastic = "model.blow = \"elastic\"";
+    let keys = run(&small(elastic));
+    let assembly = run(&small(&format!("{elastic}\n[cycle]\nassembly = \"n80cb\"")));
+    let gap = level(&assembly, "workpiece") - level(&keys, "workpiece");
+    assert!(gap.abs() < 0.005, "{gap} dB");
+    let checks = blow_checks(&assembly);
+    assert!(checks.len() == 2 && checks.iter().all(|(_, ok)| *ok), "{checks:?}");
+    assert_eq!(checks, blow_checks(&keys));
+    assert_eq!(blow_checks(&run(&small("[cycle]\nassembly = \"n80cb\""))), []);
+}
+
+/// `model.blow` selects the blow of the built-in tools, and a block without `if` is always elastic.
+#[test]
+fn a_stapler_has_an_elastic_blow_by_the_key_or_by_its_block() {
+    let [by_key, by_block, rigid] = ["model.blow = \"elastic\"", "", ""].map(str::to_owned);
+    let own = "[cycle.blow.staple]\nif = true\n";
+    for (head, more, count) in [(by_key, "", 2), (by_block, own, 2), (rigid, "", 0)] {
+        let run = run(&small(&format!("{head}\n[cycle]\nassembly = \"stapler\"\n{more}")));
+        let checks = blow_checks(&run);
+        assert!(checks.len() == count && checks.iter().all(|(_, ok)| *ok), "{checks:?}");
+    }
+}
+
+#[test]
+fn an_elastic_blow_of_an_assembly_refuses_two_way_coupling() {
+    for text in [
+        "support.coupling = \"two-way\"\nmodel.blow = \"elastic\"\n[cycle]\nassembly = \"stapler\"",
+        "support.coupling = \"two-way\"\n[cycle]\nassembly = \"stapler\"\n[cycle.blow.staple]\nif = true",
+    ] {
+        let base = format!("base = \"small.toml\"\n{text}\n");
+        let design = Design::parse(&base, std::path::Path::new(ROOT).join("tests/data/over.toml"));
+        let refused = design.map_err(Error::from).and_then(|design| chain::shot(&design));
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains("support.coupling"), "{refused}");
+    }
+}
+
 #[test]
 fn the_loads_of_the_n80cb_are_those_of_its_assembly() {
     let [keys, assembly] = ["", "[cycle]\nassembly = \"n80cb\""].map(|text| chain::shot(&small(text)).unwrap());

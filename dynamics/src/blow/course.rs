@@ -2,7 +2,10 @@
 
 use super::input::BlowInput;
 use crate::network::Record;
-use crate::{CycleRecord, Direction};
+use crate::{Crossing, CycleRecord, Direction};
+
+/// Word of a fastener that stops in a work which unloads along another curve.
+const UNLOADS: &str = "unloads";
 
 /// Motion of the body that a fastener enters, at the samples of a cycle.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +38,8 @@ pub struct Course<'a> {
     pub strike: f64,
     /// Velocity of the driver before it \[m/s\].
     pub speed: f64,
+    /// Time after it at which the work first unloads \[s\]; `None` for a resistance that is the same upwards.
+    pub unloads: Option<f64>,
     /// The driver.
     pub driver: DriverMotion<'a>,
     /// The body that the fastener enters; `None` for the ground.
@@ -55,6 +60,11 @@ impl<'a> Course<'a> {
             interval: record.interval?,
             strike: strike.time,
             speed: strike.before,
+            unloads: {
+                let mut log = record.log.iter().filter(|entry| entry.time >= strike.time);
+                let unloads = log.find(|entry| entry.block == input.fastener.name && entry.word == UNLOADS);
+                unloads.map(|entry| entry.time)
+            },
             driver: DriverMotion {
                 position: of(driver, "position")?,
                 velocity: of(driver, "velocity")?,
@@ -78,14 +88,17 @@ impl<'a> Course<'a> {
 
     /// The cycle of the tool of a design's keys; `None` if its rod does not strike the nail.
     pub fn of_keys(record: &'a CycleRecord) -> Option<Self> {
-        let mut log = record.log.iter();
-        let strikes = |entry: &&crate::LogEntry| {
-            entry.crossing == crate::Crossing::NailDriven && entry.direction == Direction::Rising
+        let first = |crossing: Crossing, direction: Direction, from: f64| {
+            let mut log = record.log.iter().filter(|entry| entry.time >= from);
+            let entry = log.find(|entry| entry.crossing == crossing && entry.direction == direction);
+            entry.map(|entry| entry.time)
         };
+        let strike = first(Crossing::NailDriven, Direction::Rising, 0.0)?;
         Some(Self {
             interval: record.sample_interval,
-            strike: log.find(strikes)?.time,
+            strike,
             speed: record.summary.speed_before_impact?,
+            unloads: first(Crossing::Penetration, Direction::Falling, strike),
             driver: DriverMotion {
                 position: &record.piston.position,
                 velocity: &record.piston.velocity,
@@ -107,7 +120,7 @@ impl<'a> Course<'a> {
     }
 
     /// Forces on the driver other than gravity and the resistance of the work, from its equation of motion \[N\].
-    pub(super) fn push(&self, gravity: f64) -> Vec<f64> {
+    pub fn push(&self, gravity: f64) -> Vec<f64> {
         let motion = self.driver.moving_mass.iter().zip(self.driver.acceleration);
         let pairs = motion.zip(self.resistance);
         pairs
@@ -115,9 +128,13 @@ impl<'a> Course<'a> {
             .collect()
     }
 
-    /// Time at which the fastener first stops in the work \[s\], with linear interpolation between samples; `None` if
-    /// it does not. Its tip enters the work where the driver's position relative to it is `tip_at` \[m\].
-    pub(super) fn stop(&self, tip_at: f64) -> Option<f64> {
+    /// Time at which the fastener first stops in the work \[s\]: that of its unloading or, without one, by linear
+    /// interpolation between samples; `None` if it does not stop. Its tip enters the work where the driver's position
+    /// relative to it is `tip_at` \[m\].
+    pub fn stop(&self, tip_at: f64) -> Option<f64> {
+        if self.unloads.is_some() {
+            return self.unloads;
+        }
         let of = |values: Option<&[f64]>, n: usize| values.map_or(0.0, |values| values[n]);
         let advance = |n: usize| self.driver.velocity[n] - of(self.work.map(|work| work.velocity), n);
         let depth = |n: usize| self.driver.position[n] - of(self.work.map(|work| work.position), n) - tip_at;

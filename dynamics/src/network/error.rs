@@ -88,12 +88,14 @@ pub enum RunError {
         time: f64,
     },
     /// A trigger and a gate switch each other endlessly.
-    #[error("\"{trigger}\" and \"{gate}\" switch each other {count} times at {} ms; give open.delay", 1e3 * time)]
+    #[error("\"{trigger}\" and \"{gate}\" switch each other {count} times at {} ms; {remedy}", 1e3 * time)]
     Switching {
         /// Name of the trigger.
         trigger: String,
         /// Name of the passage, motor or latch.
         gate: String,
+        /// What separates the two.
+        remedy: &'static str,
         /// Changes counted.
         count: usize,
         /// Time \[s\].

@@ -165,10 +165,23 @@ impl Signals {
             follower.last = t;
             follower.count += 1;
             let block = follower.block;
-            if follower.count > LOOP {
+            // Other followers of a trigger in a loop switch as often, but do not cause it.
+            let is_heard = || {
+                let mut words = plan
+                    .assembly
+                    .triggers
+                    .iter()
+                    .flat_map(|own| own.set.iter().chain(&own.clear));
+                words.any(|own| own.block == block)
+            };
+            if follower.count > LOOP && is_heard() {
                 return Err(RunError::Switching {
                     trigger: plan.assembly.triggers[follower.trigger].name.clone(),
                     gate: plan.assembly.name_of(block).to_owned(),
+                    remedy: match block.family {
+                        Family::Passage => "give open.delay",
+                        _ => "let another word or a schedule switch the trigger: a motor or latch has no delay",
+                    },
                     count: follower.count,
                     time: t,
                 });

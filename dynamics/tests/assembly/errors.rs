@@ -117,7 +117,7 @@ fn names_must_exist_and_be_unique() {
             "[cycle.event.t17]\nis = \"nail hits\"",
             &[
                 "is \"nail hits\", which is no condition",
-                "becomes = \"nail seats\" instead",
+                "becomes = \"nail struck\" instead",
                 "the words of the block are nail struck, nail left, nail enters, nail seats",
             ],
         ),

@@ -90,8 +90,10 @@ fn random_assemblies_end_with_their_energy_balanced_or_with_an_error() {
         };
         if let Ok(record) = simulate(&resolved.assembly, &numerics) {
             let gas = record.checks.iter().find(|check| check.name.starts_with("gas energy"));
+            // Gas in a passage that delays its flow is in no volume.
+            let is_delayed = text.contains("delays = \"flow\"");
             assert!(
-                gas.is_some_and(|check| check.ok),
+                gas.map_or(is_delayed, |check| check.ok),
                 "seed {seed}: {:?}\n{text}",
                 record.checks
             );
@@ -119,7 +121,7 @@ const FAULTS: [(&str, &str); 22] = [
     ("v0.pressure <", "v0.pressure + 1 mm <"),
     ("if = \"own.count", "if = \"own.cuont"),
     ("own.count > 5, disc", "own.count > 5, dics"),
-    ("max(2 mm2", "max(2 mm"),
+    ("disc(bore/8)", "bore/8"),
     ("critical_ratio = 0.35", "critical_ratio = \"wide\""),
     ("when = \"", "when = \"un"),
     ("driver = \"b0\"", "driver = \"v0\""),
@@ -131,7 +133,11 @@ const FAULTS: [(&str, &str); 22] = [
 fn broken_assemblies_are_refused_with_a_place_and_a_remedy() {
     for seed in first_seed()..first_seed() + COUNT {
         let mut random = Random::new(seed + 10_000);
-        let text = random_assembly(&mut random);
+        let mut text = random_assembly(&mut random);
+        // A fault in a block that is switched off is not found.
+        for count in 1..=10 {
+            text = text.replace(&format!("[own]\ncount = {count}\n"), "[own]\ncount = 6\n");
+        }
         let usable: Vec<_> = FAULTS.iter().filter(|(from, _)| text.contains(from)).collect();
         let (from, to) = usable[random.below(usable.len())];
         let broken = text.replacen(from, to, 1);

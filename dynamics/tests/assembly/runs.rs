@@ -99,6 +99,29 @@ open = { when = "released" }
     );
     assert!(matches!(error.error, RunError::Switching { .. }), "{error}");
     assert_place(&error, 11, "cycle.passage.vent");
+    assert!(error.to_string().contains("give open.delay"), "{error}");
+}
+
+/// A passage that only follows the trigger is not part of the loop, and a latch has no delay.
+#[test]
+fn a_latch_that_switches_its_own_trigger_has_the_place_and_a_remedy() {
+    let error = failure(
+        r#"volume.vessel = { dead = "1 l", pressure = "800 kPa" }
+trigger.held = { starts = true, schedule = [["5 ms", false]], set = "latch releases", clear = "latch catches" }
+body.ball = { mass = "5 g", start = { travel = "0 mm" } }
+[cycle.passage.vent]
+between = ["vessel", "atmosphere"]
+area = "1 mm2"
+silent = true
+open = { when = "held" }
+[cycle.hold]
+latch = { on = "ball", stiffness = "1 N/mm", while = "held" }
+"#,
+        None,
+    );
+    assert!(matches!(error.error, RunError::Switching { .. }), "{error}");
+    assert_place(&error, 15, "cycle.hold.latch");
+    assert!(error.to_string().contains("a motor or latch has no delay"), "{error}");
 }
 
 #[test]

@@ -148,6 +148,31 @@ fn a_rigid_blow_has_no_bars() {
     assert_eq!(blow_input(&n80cb()).unwrap(), None);
 }
 
+/// The equation of motion of the piston gives the sum of the forces of gas, stops, friction and guide.
+#[test]
+fn the_push_on_the_driver_is_the_sum_of_its_forces() {
+    let (course, forces) = (Course::of_keys(&BASE).unwrap(), &BASE.forces);
+    for (n, push) in course.push(base_input().gravity).into_iter().enumerate() {
+        let stops = forces.bumper[n] + forces.stopper[n];
+        let sum = forces.piston_gas[n] - stops - forces.piston_friction[n] - forces.magazine[n];
+        assert!((push - sum).abs() < 1e-7, "{push} N for {sum} N at sample {n}");
+    }
+}
+
+#[test]
+fn the_nail_stops_at_the_event_of_the_cycle() {
+    let (course, tip_at) = (Course::of_keys(&BASE).unwrap(), base_input().fastener.tip_at);
+    let t9 = BASE.events.t9.unwrap();
+    let stop = course.stop(tip_at).unwrap();
+    assert!((stop - t9).abs() < 1e-11, "{stop} s for {t9} s");
+    let interpolated = Course {
+        unloads: None,
+        ..course
+    };
+    let stop = interpolated.stop(tip_at).unwrap();
+    assert!((stop - t9).abs() < 0.1 * course.interval, "{stop} s for {t9} s");
+}
+
 #[test]
 fn momentum_and_energy_of_a_blow_balance() {
     let blow = blow_of(&base_input());
