@@ -53,6 +53,7 @@ fn coupled(design: &Design, parameters: &Parameters, points: usize) -> Coupled {
     let fastener = DrivenFastener {
         law: FastenerLaw::Nail(Box::new(parameters.clone())),
         friction_share: parameters.friction_share,
+        blows: Vec::new(),
     };
     let tool = CoupledTool {
         engine: &Engine::Keys(Box::new(cycle)),
