@@ -45,12 +45,15 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
         "A-weighted one-third-octave levels, dB re 1 pW s: 90 % of the draws lie in the bar, half below its line.",
         vec![labelled(result, "Mid-band frequency", "Hz", |source| &source.bands)],
     ));
-    charts.push(chart(
-        "study-convergence",
-        "Convergence",
-        "Probability of being the loudest over the first draws, with its 90 % interval.",
-        vec![convergence(result)],
-    ));
+    // A study of a few draws is evaluated only once, which draws no line.
+    if result.convergence.len() > 1 {
+        charts.push(chart(
+            "study-convergence",
+            "Convergence",
+            "Probability of being the loudest over the first draws, with its 90 % interval.",
+            vec![convergence(result)],
+        ));
+    }
     if let Some(own) = &result.one_at_a_time {
         charts.push(chart(
             "study-one-at-a-time",
