@@ -123,8 +123,8 @@ impl Quadratic {
     }
 }
 
-/// Distance of a prediction from its reading that is one unit of the coordinate of the score \[scales\], and the largest
-/// magnitude of that coordinate.
+/// Distance of a prediction from its reading that is one unit of the coordinate of the score \[scales\], and the
+/// largest magnitude of that coordinate.
 const UNIT: f64 = 3.0;
 const FARTHEST: f64 = 4.0;
 
@@ -161,8 +161,8 @@ pub(crate) struct Example {
 }
 
 impl Emulator {
-    /// Fits the readings `counting` to points with the observed outcomes, in the order of their age; `predictions` are in
-    /// the order of `counting`. `refused` are the coordinates of points with other outcomes. `before` supplies the
+    /// Fits the readings `counting` to points with the observed outcomes, in the order of their age; `predictions` are
+    /// in the order of `counting`. `refused` are the coordinates of points with other outcomes. `before` supplies the
     /// hyperparameters from which the estimate continues.
     pub(crate) fn fit(
         (examples, refused): (&[Example], &[Vec<f64>]),
@@ -200,7 +200,7 @@ impl Emulator {
         };
         let extended = |coordinates: &[f64]| {
             let mut own = coordinates.to_vec();
-            made.extend(&mut own, coordinates.len());
+            made.extend(&mut own, coordinates.len(), |_, _| ());
             own
         };
         let with: Vec<Vec<f64>> = examples.iter().map(|own| extended(&own.coordinates)).collect();
@@ -219,24 +219,23 @@ impl Emulator {
         variances
     }
 
-    /// Writes the emulated predictions, as coordinates of the score, behind the coordinates of the `variables`.
-    fn extend(&self, coordinates: &mut Vec<f64>, variables: usize) {
+    /// Writes the emulated predictions, as coordinates of the score, behind the coordinates of the `variables`, and
+    /// gives each with the index of its reading.
+    fn extend(&self, coordinates: &mut Vec<f64>, variables: usize, mut give: impl FnMut(usize, f64)) {
         coordinates.truncate(variables);
         for own in &self.readings {
             let prediction = own.polynomial.at(coordinates);
             coordinates.push(own.coordinate(prediction));
+            give(own.index, prediction);
         }
     }
 
     /// Writes the predictions at a point of `variables` coordinates, and returns the logarithm of the probability of
     /// the observed outcomes there. The coordinates are extended as the score needs them.
     pub(crate) fn predict(&self, coordinates: &mut Vec<f64>, variables: usize, predictions: &mut [Prediction]) -> f64 {
-        coordinates.truncate(variables);
-        for own in &self.readings {
-            let prediction = own.polynomial.at(coordinates);
-            predictions[own.index] = Prediction::Value(prediction);
-            coordinates.push(own.coordinate(prediction));
-        }
+        self.extend(coordinates, variables, |reading, value| {
+            predictions[reading] = Prediction::Value(value);
+        });
         self.outcome.as_ref().map_or(0.0, |own| {
             let score = own.at(coordinates) / own.variance.sqrt().max(LEAST_ERROR);
             (LEAST_PROBABILITY + (1.0 - LEAST_PROBABILITY) * normal::cumulative(score)).ln()

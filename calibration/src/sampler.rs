@@ -2,9 +2,9 @@
 //! "Sequential Monte Carlo samplers", Journal of the Royal Statistical Society B 68, 411 (2006)).
 //!
 //! N particles start as draws from the prior and pass through the densities p(z) exp(tau l(z)) while tau increases from
-//! 0 to 1. Each step raises tau until the effective sample size is N/2, resamples, fits [emulators](crate::emulator) to
-//! the predictions so far, and moves the particles by [chains](crate::proposal) on the emulated posterior until they
-//! have decorrelated. Every end of a chain is simulated before it is accepted.
+//! 0 to 1. Each step raises tau until the effective sample size is N/2, resamples, and moves the particles until they
+//! have decorrelated. A move fits emulators to the predictions so far and proposes the ends of chains on the posterior
+//! with emulated predictions. Every end of a chain is simulated before it is accepted.
 //!
 //! All random numbers are functions of seed, step, move and particle, so results depend neither on threads nor on
 //! interruptions between moves.
