@@ -92,7 +92,7 @@ impl Quadratic {
     fn fit(points: &[&[f64]], values: &[f64], before: Option<&Hyperparameters>) -> Self {
         let mean = Self::constant(values);
         let (centre, deviation) = (mean.constant, mean.variance.sqrt());
-        if values.len() < FEWEST || !(deviation > 0.0) {
+        if values.len() < FEWEST || deviation <= 0.0 {
             return mean;
         }
         let variables: Vec<usize> = (0..points[0].len()).collect();
