@@ -1,11 +1,9 @@
 #![doc = include_str!("../README.md")]
 
 pub mod conflict;
-mod emulator;
 pub mod likelihood;
 pub mod next;
 pub mod normal;
-mod proposal;
 mod random;
 pub mod ranks;
 pub mod sampler;
@@ -30,13 +28,6 @@ pub trait Simulator: Sync {
     /// # Errors
     /// The name of the outcome if it differs from the observed one, or the reason why the point cannot be simulated.
     fn predict(&self, z: &[f64], condition: usize) -> Result<Vec<Prediction>, Cow<'static, str>>;
-
-    /// The value of a variable on a scale on which predictions are close to quadratic functions; increasing. Emulators
-    /// of the predictions use it. For a bounded input this is its value between the bounds rather than z.
-    fn coordinate(&self, variable: usize, z: f64) -> f64 {
-        let _ = variable;
-        z
-    }
 
     /// Whether each variable is constrained by a rule. The sampler updates these variables only with prior-reversible
     /// moves.

@@ -289,29 +289,6 @@ impl Likelihood {
         self.of_reading(datum, scale, self.shared(datum, z), prediction)
     }
 
-    /// The likelihood with further independent errors of these variances, one for each reading.
-    pub(crate) fn with_variances(&self, variances: &[f64]) -> Self {
-        let mut own = self.clone();
-        for (datum, variance) in own.data.iter_mut().zip(variances) {
-            datum.scale = (datum.scale.powi(2) + variance).sqrt();
-        }
-        for block in &mut own.blocks {
-            let size = block.members.len();
-            let identity = DMatrix::identity(size, size);
-            let factor = block.whitening.solve_lower_triangular(&identity);
-            let widened = factor.and_then(|factor| {
-                let added = DVector::from_iterator(size, block.members.iter().map(|&k| variances[k]));
-                let covariance = &factor * factor.transpose() + DMatrix::from_diagonal(&added);
-                covariance.cholesky()?.l().solve_lower_triangular(&identity)
-            });
-            // Both exist for positive variances.
-            if let Some(widened) = widened {
-                block.whitening = widened;
-            }
-        }
-        own
-    }
-
     /// Log-likelihood of the readings that become complete with the last of the first `known` conditions of
     /// [`order`](Self::order).
     pub(crate) fn of_step(&self, known: usize, z: &[f64], predictions: &[Prediction]) -> f64 {
@@ -329,9 +306,6 @@ impl Likelihood {
             (Reading::Value(y), Prediction::Value(f)) => Some(y - f - self.shared(k, z)),
             _ => None,
         };
-        if let [k] = block.members[..] {
-            return self.of_datum(k, z, predictions[k]);
-        }
         // A prediction that is only a bound has no residual to whiten.
         match block.members.iter().map(residual).collect::<Option<Vec<f64>>>() {
             Some(residuals) => {
@@ -599,23 +573,6 @@ mod tests {
         assert_eq!(of(Reading::Within([1.0, 3.0]), 2.0), Reading::Within([1.0, 3.0]));
         assert_eq!(of(Reading::Within([1.0, 3.0]), 0.0), Reading::AtMost(1.0));
         assert_eq!(of(Reading::Within([1.0, 3.0]), 9.0), Reading::AtLeast(3.0));
-    }
-
-    #[test]
-    fn added_variances_are_those_of_wider_errors() {
-        let both = |scale: f64| {
-            let data = vec![datum(Reading::Value(1.0), scale), datum(Reading::Value(-0.5), scale)];
-            let correlation = ErrorCorrelation {
-                data: vec![0, 1],
-                r: 0.5,
-                parts: vec![1.0; 2],
-            };
-            Likelihood::new(data, 1, &[correlation], ErrorLaw::Student).unwrap()
-        };
-        let predictions = [Prediction::Value(0.3), Prediction::Value(0.7)];
-        let [widened, wide] = [both(1.0).with_variances(&[3.0; 2]), both(2.0)];
-        assert!((widened.total(&[], &predictions) - wide.total(&[], &predictions)).abs() < 1e-12);
-        assert!((widened.of_datum(0, &[], predictions[0]) - wide.of_datum(0, &[], predictions[0])).abs() < 1e-12);
     }
 
     #[test]

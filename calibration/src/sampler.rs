@@ -3,43 +3,47 @@
 //!
 //! N particles start as draws from the prior and pass through the densities p(z) exp(tau l(z)) while tau increases from
 //! 0 to 1. Each step raises tau until the effective sample size is N/2, resamples, and moves the particles until they
-//! have decorrelated. A move fits emulators to the predictions so far and proposes the ends of chains on the posterior
-//! with emulated predictions. Every end of a chain is simulated before it is accepted.
+//! have decorrelated. In the r directions V informed by the readings, with y = V^T z, a move proposes
+//!
+//! ```text
+//! e  = L^-1 (y - m),   g = 2 Gamma((r+5)/2, 1)/(5 + |e|^2)
+//! e' = sqrt(1-b^2) e + b xi/sqrt(g),   y' = m + L e'
+//! w' = sqrt(1-b^2) (z - V y) + b (I - V V^T) xi,   z' = V y' + w'
+//! ```
+//!
+//! The first is reversible for a Student t distribution with 5 degrees of freedom, mean m and scale matrix L L^T, the
+//! second for the prior (Cotter, Roberts, Stuart and White, "MCMC methods for functions", Statistical Science 28, 424
+//! (2013)). m and L are computed from the other half of the particles, so that no particle influences its own proposal.
+//! Without this split, the evidence is biased low and directions without data become too narrow.
 //!
 //! All random numbers are functions of seed, step, move and particle, so results depend neither on threads nor on
 //! interruptions between moves.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Simulator;
-use crate::emulator::{Emulator, Example};
 use crate::likelihood::{Likelihood, Prediction};
-use crate::proposal::{Frame, Target};
 use crate::random::Stream;
 use crate::statistics::{correlation, effective_size, log_mean_exp, moments, resampled};
 use crate::subspace::{Reference, Regression, directions};
 
-/// Initial step size of the chains, and its range.
+/// Degrees of freedom of the proposal in the informed directions.
+const DEGREES: f64 = 5.0;
+
+/// Initial step size of the moves, and its range.
 const FIRST_SIZE: f64 = 0.6;
 const SIZES: [f64; 2] = [0.02, 0.98];
 
-/// Initial number of steps of a chain, and its range.
-const FIRST_LENGTH: f64 = 100.0;
-const LENGTHS: [f64; 2] = [1.0, 200.0];
-
-/// Target acceptance rate, both of the steps of a chain and of its end.
+/// Target acceptance rate of the moves.
 const ACCEPTANCE: f64 = 0.3;
 
-/// Acceptance rate of a move above which the next one uses the same emulators.
-const SUFFICIENT: f64 = 0.6;
-
 /// Fewest moves per step, and the correlation with the starting points below which moving stops.
-const FEWEST_MOVES: usize = 2;
+const FEWEST_MOVES: usize = 3;
 const FORGOTTEN: f64 = 0.15;
 
 /// Number of populations in the archive from which directions are computed.
@@ -49,11 +53,11 @@ const ARCHIVED: usize = 6;
 const LEAST_RISE: f64 = 1e-9;
 
 /// Convergence criteria: largest difference between the halves' log evidence, largest difference between their means in
-/// standard errors, largest correlation with the points before the moves of the last step, and least acceptance rate.
+/// standard errors, largest correlation with the points before the moves of the last step, and smallest step size.
 const HALVES_APART: f64 = 1.5;
 const MEANS_APART: f64 = 4.0;
 const NOT_FORGOTTEN: f64 = 0.985;
-const LEAST_ACCEPTANCE: f64 = 0.02;
+const SMALLEST_SIZE: f64 = 0.05;
 
 /// Particles for each initial ancestor that a converged run has at most, and its fewest ancestors: the width of a 90 %
 /// interval of n independent normal draws has the relative standard error 0.9/sqrt(n), 16 % of 32.
@@ -100,10 +104,8 @@ pub struct Step {
     pub moves: usize,
     /// Acceptance rate of the last move.
     pub acceptance: f64,
-    /// b, step size of the chains of the next move.
+    /// b, step size of the next move.
     pub size: f64,
-    /// Number of steps of these chains.
-    pub length: f64,
     /// r, number of informed directions.
     pub directions: usize,
     /// Number of initial candidates that have descendants.
@@ -136,15 +138,11 @@ pub struct State {
     /// Whether the moves of the current step are complete.
     is_settled: bool,
     size: f64,
-    length: f64,
-    emulator: Option<Emulator>,
     /// Points before the moves of the current step.
     places: Vec<Vec<f64>>,
     /// V, by columns.
     directions: Vec<Vec<f64>>,
     archive: VecDeque<Population>,
-    /// Points with other outcomes than those observed, by moves.
-    refused: VecDeque<Vec<Vec<f64>>>,
 }
 
 impl State {
@@ -184,9 +182,9 @@ pub enum NotConverged {
         /// The limit.
         least: usize,
     },
-    /// Too few proposals of the last move were accepted.
-    #[error("of the last proposals {:.1} % were accepted (at least 2 %)", 100.0 * .0)]
-    Acceptance(f64),
+    /// The step size of the last moves was too small.
+    #[error("the last moves were {0:.3} of the prior's width (at least 0.05)")]
+    Size(f64),
     /// The last moves left the particles correlated with their starting points.
     #[error("after the last moves the draws correlate by {0:.3} with their places before (limit 0.985)")]
     Correlation(f64),
@@ -215,17 +213,23 @@ pub struct Sampler<'a, S> {
 }
 
 /// A proposal and its fate.
-#[derive(Default)]
 struct Moved {
-    /// Accepted and tried steps of its chain that move all variables.
-    of_all: [u64; 2],
     /// The new particle, if the proposal was accepted.
     accepted: Option<Particle>,
     /// Predictions of a proposal, if it was simulated completely.
     complete: Option<(Vec<f64>, Vec<f64>)>,
     simulations: u64,
-    /// Its outcome, if that is not as observed, and its point.
-    refusal: Option<(Cow<'static, str>, Vec<f64>)>,
+    refusal: Option<Cow<'static, str>>,
+}
+
+/// Data shared by all proposals of a move for the particles of one half.
+struct Frame {
+    directions: DMatrix<f64>,
+    reference: Option<Reference>,
+    temperature: f64,
+    size: f64,
+    step: u64,
+    number: u64,
 }
 
 impl<'a, S: Simulator> Sampler<'a, S> {
@@ -265,12 +269,9 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             log_evidence: [0.0; 2],
             is_settled: true,
             size: FIRST_SIZE,
-            length: FIRST_LENGTH,
-            emulator: None,
             places: Vec::new(),
             directions: Vec::new(),
             archive: VecDeque::from([first]),
-            refused: VecDeque::new(),
             particles,
         }
     }
@@ -330,7 +331,8 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             state.temperature + rise
         };
         state.places = state.particles.iter().map(|own| own.z.clone()).collect();
-        let rows = self.rows(state);
+        let present = state.particles.iter().map(|own| self.row(&own.z, &own.predictions));
+        let rows: Vec<_> = state.archive.iter().flatten().cloned().chain(present).collect();
         let d = self.simulator.variables();
         let scale = |k: usize| self.likelihood.data()[self.counting[k]].scale;
         let regression = Regression {
@@ -344,7 +346,6 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             moves: 0,
             acceptance: 0.0,
             size: state.size,
-            length: state.length,
             directions: state.directions.len(),
             ancestors: state.ancestors(),
             correlations: [1.0; 2],
@@ -362,47 +363,31 @@ impl<'a, S: Simulator> Sampler<'a, S> {
                 .collect();
             DMatrix::from_fn(directions.ncols(), columns.len(), |row, column| columns[column][row])
         };
-        let emulator = match &state.emulator {
-            Some(own) if state.steps[step].acceptance > SUFFICIENT => own.clone(),
-            _ => self.emulator(state),
-        };
-        let target = Target {
-            simulator: self.simulator,
-            emulator: &emulator,
-            likelihood: self
-                .likelihood
-                .with_variances(&emulator.variances(self.likelihood.data().len())),
-            ruled: &self.ruled,
-        };
         let frames = [0, 1].map(|half| {
             let other = informed(&mut state.particles.iter().skip(1 - half).step_by(2).map(|own| &own.z));
             Frame {
                 reference: (!other.is_empty()).then(|| Reference::of(&other)).flatten(),
-                directions: &directions,
+                directions: directions.clone(),
                 temperature: state.temperature,
                 size: state.size,
-                steps: state.length.round() as u64,
+                step: step as u64,
+                number: state.steps[step].moves as u64,
             }
         });
-        let number = [step as u64, state.steps[step].moves as u64];
         let moved: Vec<Moved> = state
             .particles
             .par_iter()
             .enumerate()
-            .map(|(place, particle)| self.propose(&target, &frames[place % 2], (number, place as u64), particle))
+            .map(|(place, particle)| self.propose(&frames[place % 2], place as u64, particle))
             .collect();
-        let (mut accepted, mut of_all) = (0, [0, 0]);
-        let (mut complete, mut refused) = (Vec::new(), Vec::new());
+        let mut accepted = 0;
+        let mut complete = Vec::new();
         for (particle, own) in state.particles.iter_mut().zip(moved) {
             state.likelihoods += u64::from(own.simulations > 0);
             state.simulations += own.simulations;
             complete.extend(own.complete);
-            of_all = [0, 1].map(|k| of_all[k] + own.of_all[k]);
-            if let Some((name, z)) = own.refusal {
-                refused.push(z);
-                if state.temperature >= 1.0 {
-                    *state.refusals.entry(name.into_owned()).or_default() += 1;
-                }
+            if let (Some(name), true) = (&own.refusal, state.temperature >= 1.0) {
+                *state.refusals.entry(name.clone().into_owned()).or_default() += 1;
             }
             if let Some(new) = own.accepted {
                 accepted += 1;
@@ -410,22 +395,11 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             }
         }
         state.archive.push_back(complete);
-        state.refused.push_back(refused);
         while state.archive.len() > ARCHIVED {
             state.archive.pop_front();
         }
-        while state.refused.len() > ARCHIVED {
-            state.refused.pop_front();
-        }
-        state.emulator = Some(emulator);
         let acceptance = f64::from(accepted) / n as f64;
-        // The last step of a chain of one is its end.
-        let of_steps = match state.length > 1.5 && of_all[1] > 0 {
-            true => of_all[0] as f64 / of_all[1] as f64,
-            false => acceptance,
-        };
-        state.size = (state.size * (of_steps - ACCEPTANCE).exp()).clamp(SIZES[0], SIZES[1]);
-        state.length = (state.length * (2.0 * (acceptance - ACCEPTANCE)).exp()).clamp(LENGTHS[0], LENGTHS[1]);
+        state.size = (state.size * (acceptance - ACCEPTANCE).exp()).clamp(SIZES[0], SIZES[1]);
         let now: Vec<&Vec<f64>> = state.particles.iter().map(|own| &own.z).collect();
         let all = (0..d).map(|k| {
             let [before, after]: [Vec<f64>; 2] = [
@@ -443,63 +417,50 @@ impl<'a, S: Simulator> Sampler<'a, S> {
         let correlations = [mean(within), mean(all)];
         let own = &mut state.steps[step];
         own.moves += 1;
-        (own.acceptance, own.size, own.length) = (acceptance, state.size, state.length);
-        own.correlations = correlations;
+        (own.acceptance, own.size, own.correlations) = (acceptance, state.size, correlations);
         let is_forgotten = own.moves >= FEWEST_MOVES && correlations.iter().all(|own| *own < FORGOTTEN);
         state.is_settled = is_forgotten || own.moves >= self.settings.moves;
     }
 
-    /// The latest points with the observed outcomes: those of the archive, and the particles.
-    fn rows(&self, state: &State) -> Population {
-        let present = state.particles.iter().map(|own| self.row(&own.z, &own.predictions));
-        state.archive.iter().flatten().cloned().chain(present).collect()
-    }
-
-    /// Emulators of the readings that count and of the outcomes, fitted to the latest points.
-    fn emulator(&self, state: &State) -> Emulator {
-        let coordinates = |z: &[f64]| (0..z.len()).map(|k| self.simulator.coordinate(k, z[k])).collect();
-        let example = |(z, totals): &(Vec<f64>, Vec<f64>)| Example {
-            coordinates: coordinates(z),
-            predictions: totals
-                .iter()
-                .zip(&self.counting)
-                .map(|(total, &k)| total - self.likelihood.shared(k, z))
-                .collect(),
-        };
-        let rows = self.rows(state);
-        let examples: Vec<Example> = distinct(&rows).map(example).collect();
-        let refused: Vec<Vec<f64>> = state.refused.iter().flatten().map(|z| coordinates(z)).collect();
-        let before = state.emulator.as_ref();
-        Emulator::fit((&examples, &refused), &self.counting, self.likelihood, before)
-    }
-
-    fn propose(
-        &self,
-        target: &Target<'_, S>,
-        frame: &Frame<'_>,
-        (number, place): ([u64; 2], u64),
-        particle: &Particle,
-    ) -> Moved {
-        let [step, number] = number;
-        let stream = |kind: u64, of_chain: u64| Stream::new(self.settings.seed, &[step, number, place, kind, of_chain]);
-        let proposal = target.chain(frame, &particle.z, |of_chain, kind| stream(1 + kind, of_chain));
-        let mut moved = if proposal.accepted == 0 {
-            // The end of the chain is its start.
-            Moved::default()
-        } else {
-            let share = stream(0, 0).uniform(0);
-            let need = particle.log_likelihood + (share.ln() + proposal.rise) / frame.temperature;
-            self.judge(proposal.z, need, particle.ancestor)
-        };
-        moved.of_all = proposal.of_all;
-        moved
+    fn propose(&self, frame: &Frame, place: u64, particle: &Particle) -> Moved {
+        let stream = |kind: u64| Stream::new(self.settings.seed, &[frame.step, frame.number, place, kind]);
+        let (d, r) = frame.directions.shape();
+        let (b, kept) = (frame.size, (1.0 - frame.size * frame.size).sqrt());
+        let z = DVector::from_column_slice(&particle.z);
+        let y = frame.directions.tr_mul(&z);
+        let within = &frame.directions * &y;
+        let mut log_ratio = 0.0;
+        let mut moved_within = within.clone();
+        if let Some(reference) = &frame.reference {
+            let e = reference.standardised(&y);
+            let shape = 0.5 * (r as f64 + DEGREES);
+            let g = 2.0 * stream(0).gamma(shape, 0) / (DEGREES + e.norm_squared());
+            let xi = DVector::from_fn(r, |k, _| stream(1).normal(k as u64));
+            let e1 = &e * kept + xi * (b / g.sqrt());
+            let y1 = reference.point(&e1);
+            let student = |e: &DVector<f64>| shape * (e.norm_squared() / DEGREES).ln_1p();
+            log_ratio = student(&e1) - student(&e) - 0.5 * (y1.norm_squared() - y.norm_squared());
+            moved_within = &frame.directions * y1;
+        }
+        let xi = DVector::from_fn(d, |k, _| stream(2).normal(k as u64));
+        let xi = &xi - &frame.directions * frame.directions.tr_mul(&xi);
+        let proposed = moved_within + (&z - within) * kept + xi * b;
+        let mut proposed: Vec<f64> = proposed.iter().copied().collect();
+        self.simulator.restore(&mut proposed, &particle.z);
+        let need = particle.log_likelihood + (stream(3).uniform(0).ln() - log_ratio) / frame.temperature;
+        self.judge(proposed, need, particle.ancestor)
     }
 
     /// Simulates a proposal condition by condition and stops as soon as it can no longer be accepted.
     fn judge(&self, z: Vec<f64>, need: f64, ancestor: usize) -> Moved {
         let mut predictions = vec![Prediction::Missing; self.likelihood.data().len()];
         let mut log_likelihood = 0.0;
-        let mut moved = Moved::default();
+        let mut moved = Moved {
+            accepted: None,
+            complete: None,
+            simulations: 0,
+            refusal: None,
+        };
         let order = self.likelihood.order();
         for (known, &condition) in (1..).zip(order) {
             moved.simulations += 1;
@@ -509,7 +470,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
                     own.zip(values).for_each(|(k, value)| predictions[k] = value);
                 }
                 Err(name) => {
-                    moved.refusal = Some((name, z));
+                    moved.refusal = Some(name);
                     return moved;
                 }
             }
@@ -555,8 +516,8 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             faults.push(NotConverged::Ancestors { ancestors, least });
         }
         if let Some(last) = state.steps.last() {
-            if last.acceptance < LEAST_ACCEPTANCE {
-                faults.push(NotConverged::Acceptance(last.acceptance));
+            if last.size < SMALLEST_SIZE {
+                faults.push(NotConverged::Size(last.size));
             }
             let most = last.correlations[0].max(last.correlations[1]);
             if most >= NOT_FORGOTTEN {
@@ -570,13 +531,6 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             faults,
         }
     }
-}
-
-/// Points without repetitions, which resampling makes, in order.
-fn distinct(rows: &[(Vec<f64>, Vec<f64>)]) -> impl Iterator<Item = &(Vec<f64>, Vec<f64>)> {
-    let mut seen = BTreeSet::new();
-    let key = |z: &[f64]| z.iter().map(|own| own.to_bits()).collect::<Vec<u64>>();
-    rows.iter().filter(move |(z, _)| seen.insert(key(z)))
 }
 
 /// The value of tau that leaves half of the particles effective, or 1 if more than half remain.

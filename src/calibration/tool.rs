@@ -4,8 +4,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::{Datum, ErrorCorrelation, ErrorLaw, Likelihood, Prediction, SharedError};
-use nailnoise_calibration::{Simulator, normal};
 use nailnoise_dynamics::network::Assembly;
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use super::figures::Figure;
 use super::measurements::{InstrumentError, Measured, Measurements};
 use super::quantities::{Family, Quantity};
 use super::shot::{Shot, assembly_of};
-use crate::design::{Derived, Design, Distribution, Value};
+use crate::design::{Derived, Design, Value};
 use crate::error::Error;
 use crate::study::{
     Parameter, Point, Sampler, Variable, VariableKind, cycle_variables, differing_keys, drawn, value_at,
@@ -56,8 +56,6 @@ pub(super) struct Observed {
 pub(super) struct Tool {
     /// Draws of the keys.
     pub(super) sampler: Sampler,
-    /// Whether each key is drawn uniformly, or uniformly in its logarithm.
-    is_uniform: Vec<bool>,
     /// Names of the shared errors of readings, whose variables follow those of the keys.
     pub(super) shared: Vec<String>,
     /// The conditions; those of the file may be followed by one of the design itself.
@@ -129,13 +127,7 @@ impl Tool {
         let mut base = design.clone();
         base.sensors.clear();
         let assembly = assembly_of(design)?;
-        let is_uniform = |own: &Variable| match &own.kind {
-            VariableKind::Quantity(parameter) => parameter.distribution != Distribution::Normal,
-            VariableKind::Alternatives(_) | VariableKind::Method(_) => true,
-            VariableKind::LawScore => false,
-        };
         Ok(Self {
-            is_uniform: variables.iter().map(is_uniform).collect(),
             sampler: Sampler::new(&base, variables, seed),
             shared,
             conditions,
@@ -223,14 +215,6 @@ impl Simulator for Tool {
             Ok(observed.predictions)
         } else {
             Err(observed.outcome)
-        }
-    }
-
-    /// A variable drawn uniformly over its range is taken by its share of the range, scaled to unit variance.
-    fn coordinate(&self, variable: usize, z: f64) -> f64 {
-        match self.is_uniform.get(variable) {
-            Some(true) => 12.0_f64.sqrt() * (normal::cumulative(z) - 0.5),
-            _ => z,
         }
     }
 

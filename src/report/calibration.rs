@@ -213,13 +213,11 @@ fn sampler(result: &CalibrationResult) -> Markup {
             " candidates. Log evidence " (format!("{:.2}", result.log_evidence)) ", halves "
             (format!("{:.2}", result.halves_apart)) " apart." }
         div.scroll { table {
-            thead { tr { th.n { "\u{3c4}" } th.n { "moves" } th.n { "acceptance" } th.n { "steps of a chain" }
-                th.n { "size" } th.n { "directions" } th.n { "ancestors" } th.n { "correlation, informed" }
-                th.n { "all" } } }
+            thead { tr { th.n { "\u{3c4}" } th.n { "moves" } th.n { "acceptance" } th.n { "size" } th.n { "directions" }
+                th.n { "ancestors" } th.n { "correlation, informed" } th.n { "all" } } }
             tbody { @for own in &result.steps { tr {
                 td.n { (format!("{:.2e}", own.temperature)) } td.n { (own.moves) }
-                td.n { (format!("{:.2}", own.acceptance)) } td.n { (format!("{:.0}", own.length)) }
-                td.n { (format!("{:.2}", own.size)) }
+                td.n { (format!("{:.2}", own.acceptance)) } td.n { (format!("{:.2}", own.size)) }
                 td.n { (own.directions) } td.n { (own.ancestors) }
                 @for own in own.correlations { td.n { (format!("{own:.2}")) } }
             } } }
