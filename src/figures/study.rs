@@ -45,7 +45,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
         "A-weighted one-third-octave levels, dB re 1 pW s: 90 % of the draws lie in the bar, half below its line.",
         vec![labelled(result, "Mid-band frequency", "Hz", |source| &source.bands)],
     ));
-    // A study of a few draws is evaluated only once, which draws no line.
+    // A study of few draws has a single point, so that the chart would be empty.
     if result.convergence.len() > 1 {
         charts.push(chart(
             "study-convergence",

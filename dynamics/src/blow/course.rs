@@ -4,7 +4,7 @@ use super::input::BlowInput;
 use crate::network::Record;
 use crate::{Crossing, CycleRecord, Direction};
 
-/// Word of a fastener that stops in a work which unloads along another curve.
+/// Entry in the log where a fastener stops and its resistance begins to unload along another curve.
 const UNLOADS: &str = "unloads";
 
 /// Motion of the body that a fastener enters, at the samples of a cycle.
@@ -25,7 +25,7 @@ pub struct DriverMotion<'a> {
     pub velocity: &'a [f64],
     /// Acceleration \[m/s2\].
     pub acceleration: &'a [f64],
-    /// Its mass, with that of the fastener while it drives it \[kg\].
+    /// Mass of the driver, with that of the fastener while both move together \[kg\].
     pub moving_mass: &'a [f64],
 }
 

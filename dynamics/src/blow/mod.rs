@@ -2,10 +2,10 @@
 //!
 //! The cycle has a single moving mass. In addition, the driver's rod and the fastener, a nail or staple, are modelled
 //! as elastic bars from the impact until shortly after the nail stops. The rest of the driver's mass, as a piston, is
-//! at the upper end of the rod. On it act the forces of the cycle on the driver without that of the wood F: m (a - g) +
-//! F, with the moving mass m and the acceleration a of the cycle. Rod and nail touch without tension, and the wood
-//! grips the nail's elements, its tip and its head. The limits of the grips sum to the resistance of the cycle's law at
-//! the nail's local speed.
+//! at the upper end of the rod. The forces of the cycle on the driver, without gravity and the resistance F of the
+//! wood, act on this mass: m (a - g) + F, with the moving mass m and the acceleration a of the cycle. Rod and nail
+//! touch without tension, and the wood grips the nail's elements, its tip and its head. The limits of the grips sum to
+//! the resistance of the cycle's law at the nail's local speed.
 //!
 //! ```text
 //! along the shank:  limit f_shank dx,   Z = 2 pi r rho c_s dx               (M. Novak, Can. Geotech. J. 11, 574, 1974)
