@@ -121,6 +121,13 @@ impl HeadValve {
     }
 }
 
+impl Chambers {
+    /// The discharge coefficient of a passage with the coefficient `own`, where 0 selects that of the other passages.
+    pub fn coefficient(&self, own: f64) -> f64 {
+        if own > 0.0 { own } else { self.discharge_coefficient }
+    }
+}
+
 impl Exhaust {
     /// A_ma = n pi/4 d^2, total area of the holes \[m2\].
     pub fn area(&self) -> f64 {
@@ -129,10 +136,7 @@ impl Exhaust {
 
     /// C_d of the holes; that of the other passages if the design leaves it at 0.
     pub fn coefficient(&self, others: &Chambers) -> f64 {
-        match self.discharge_coefficient {
-            0.0 => others.discharge_coefficient,
-            own => own,
-        }
+        others.coefficient(self.discharge_coefficient)
     }
 }
 

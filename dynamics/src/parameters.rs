@@ -81,8 +81,10 @@ group! {
     Supply {
         /// Supply pressure, absolute; a unit that ends in g (psig, barg) is a gauge pressure.
         pressure: f64 = gas_pressure(), "P_sup";
-        /// Flow area of the hose and its fitting; flow is this times the discharge coefficient of the holes.
+        /// Flow area of the hose and its fitting.
         hose_area: f64 = nonnegative(AREA), "A_sup";
+        /// Discharge coefficient of hose and fitting; 0 for that of the other passages.
+        hose_coefficient: f64 = fraction(), "C_d,sup";
     }
 }
 
@@ -176,8 +178,14 @@ group! {
         return_hole_area: f64 = positive(AREA), "A_2r";
         /// Area of the leak past the rod, from below the piston to the atmosphere.
         leak_area: f64 = nonnegative(AREA), "A_lk2";
-        /// Discharge coefficient of the holes between the chambers, of the leak and of the hose.
+        /// Discharge coefficient of the passages that have no coefficient of their own.
         discharge_coefficient: f64 = fraction().within(0.01, 1.0), "C_d";
+        /// Discharge coefficient of the check-ring holes; 0 for that of the other passages.
+        check_hole_coefficient: f64 = fraction(), "C_d,1r";
+        /// Discharge coefficient of the holes at the cylinder's foot; 0 for that of the other passages.
+        return_hole_coefficient: f64 = fraction(), "C_d,2r";
+        /// Discharge coefficient of the leak; 0 for that of the other passages.
+        leak_coefficient: f64 = fraction(), "C_d,lk2";
         /// Heat transfer between gas and walls.
         wall_heat_transfer: f64 = nonnegative(HEAT_TRANSFER), "h_w";
         /// Wall of the volume above the piston, without the cylinder's bore.

@@ -1,4 +1,4 @@
-// The tool body: barrel with cap, hollow handle, coil-magazine can, hollow steel nose, cylinder sleeve.
+// The tool body: barrel, cap, hollow handle, coil-magazine can, hollow steel nose, cylinder sleeve.
 //
 // Lengths in mm, z up from the nose's tip, handle along +x; the mesh is saved in metres. Each DefineConstant is set by
 // nailnoise from the design (gmsh -setnumber NAME VALUE); those below are the N80CB's.
@@ -10,7 +10,7 @@ SetFactory("OpenCASCADE");
 
 DefineConstant[
   barrel_radius = 37, barrel_wall = 4.5, barrel_height = 190,
-  cap_radius = 46, cap_wall = 5, cap_height = 45,
+  cap_radius = 46, cap_wall = 2.65, cap_height = 45,
   handle_radius = 20, handle_wall = 3.5, handle_length = 170, handle_level = 270,
   magazine_radius = 55, magazine_wall = 3, magazine_height = 70, magazine_offset = 75, magazine_level = 75,
   nose_width = 20, nose_depth = 30, nose_wall = 6, nose_height = 110, nose_overlap = 2,
@@ -49,7 +49,9 @@ Cylinder(10) = {0, 0, floor + b/2, 0, 0, barrel_height - b/2, barrel_radius - b/
 Cylinder(11) = {0, 0, roof, 0, 0, cap_height - c/2, cap_radius - c/2};
 core() = BooleanUnion{ Volume{10}; Delete; }{ Volume{11}; Delete; };
 added() = BooleanDifference{ Volume{handle(), can(), 9}; Delete; }{ Volume{core()}; Delete; };
-housing() = BooleanUnion{ Volume{barrel()}; Delete; }{ Volume{cap(), added()}; Delete; };
+united() = BooleanUnion{ Volume{barrel()}; Delete; }{ Volume{added()}; Delete; };
+// The cap may be of another material: where something joins it, there is cap.
+housing() = BooleanDifference{ Volume{united()}; Delete; }{ Volume{cap()}; };
 
 w = nose_width/2;
 d = nose_depth/2;
@@ -75,19 +77,23 @@ EndIf
 far = 2*(roof + cap_height + handle_length + magazine_offset + magazine_radius + magazine_height + cap_radius);
 Box(200) = {-far, 0, -far, 2*far, far, 2*far};
 whole() = BooleanIntersection{ Volume{whole()}; Delete; }{ Volume{200}; };
+cap() = BooleanIntersection{ Volume{cap()}; Delete; }{ Volume{200}; };
 nose() = BooleanIntersection{ Volume{nose()}; Delete; }{ Volume{200}; };
 sleeve() = BooleanIntersection{ Volume{sleeve()}; Delete; }{ Volume{200}; Delete; };
 
-BooleanFragments{ Volume{whole()}; Delete; }{ Volume{nose(), sleeve()}; Delete; }
+BooleanFragments{ Volume{whole()}; Delete; }{ Volume{cap(), nose(), sleeve()}; Delete; }
 
 // Parts, found again by where they lie.
 steel() = Volume In BoundingBox {-w - e, -d - e, -e, w + e, d + e, nose_height + nose_overlap + e};
 r = sleeve_radius + sleeve_wall;
 tube() = Volume In BoundingBox {-r - e, -r - e, floor + b - e, r + e, r + e, floor + b + sleeve_height + e};
+top() = Volume In BoundingBox {-cap_radius - e, -cap_radius - e, roof - e, cap_radius + e, cap_radius + e, roof + cap_height + e};
 rest() = Volume{:};
 rest() -= steel();
+rest() -= top();
 rest() -= tube();
 Physical Volume("housing") = {rest()};
+Physical Volume("cap") = {top()};
 Physical Volume("nose") = {steel()};
 Physical Volume("sleeve") = {tube()};
 
@@ -195,6 +201,21 @@ If (shell < size)
   Characteristic Length{ PointsOf{ Surface{outer(), hollow()}; } } = shell;
   If (shell < near)
     near = shell;
+  EndIf
+EndIf
+// And for those of the walls of cap and magazine.
+lid = 0.65*Sqrt(8*cap_radius*cap_wall);
+If (lid < size)
+  Characteristic Length{ PointsOf{ Volume{top()}; } } = lid;
+  If (lid < near)
+    near = lid;
+  EndIf
+EndIf
+can_size = 0.65*Sqrt(8*mr*magazine_wall);
+If (can_size < size)
+  Characteristic Length{ PointsOf{ Surface{cans()}; } } = can_size;
+  If (can_size < near)
+    near = can_size;
   EndIf
 EndIf
 // Nor must chords of the rims of barrel and cap, which meet in one plane.

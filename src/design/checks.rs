@@ -233,6 +233,7 @@ fn body(v: &Values) -> Result<(), Conflict> {
     let (nose, magazine) = (b.lumped_nose, b.lumped_magazine);
     refuse(nose > 1.0 - magazine, Conflict::LumpedShares { nose, magazine })?;
     incompressible("body.housing.poisson_ratio", b.housing.poisson_ratio)?;
+    incompressible("body.cap.poisson_ratio", b.cap.poisson_ratio)?;
     incompressible("body.nose.poisson_ratio", b.nose.poisson_ratio)?;
     incompressible("body.sleeve.poisson_ratio", b.sleeve.poisson_ratio)
 }

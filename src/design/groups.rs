@@ -472,8 +472,8 @@ group! {
         lumped_magazine: f64 = fraction(), "";
         /// Loss factor of the assembled tool's modes.
         loss_factor: f64 = fraction(), "eta";
-        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes. Parts named `housing`, `nose` and
-        /// `sleeve` take their materials; a mesh with a single part takes that of the housing. Masses are lumped on the
+        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes. Parts named `housing`, `cap`,
+        /// `nose` and `sleeve` take their materials; a mesh with a single part takes that of the housing. Masses are lumped on the
         /// surfaces `nose_tip`, `magazine` and `seat`. The nodes of a surface `NAME_slave` follow those of
         /// `NAME_master`. Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`,
         /// and gas acts on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`, if the mesh has these.
@@ -486,6 +486,7 @@ group! {
     }
     groups {
         housing: Isotropic,
+        cap: Isotropic,
         nose: Isotropic,
         sleeve: Isotropic,
         cover: Cover,

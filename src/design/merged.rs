@@ -9,7 +9,7 @@ use super::settings::Given;
 use nailnoise_documents::Place;
 
 /// Values, ranges and texts of one key from the files, the nearest file last.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Merged {
     pub(super) spec: &'static KeySpec,
     pub(super) value: Option<(Given, String, Box<Place>)>,

@@ -33,6 +33,7 @@ mod lists;
 mod merged;
 mod migration;
 mod octaves;
+mod optional;
 mod provenance;
 mod range;
 mod recorded_surfaces;

@@ -14,6 +14,7 @@ use super::distribution::Distribution;
 use super::error::{DesignError, Problem, Warning};
 use super::groups::Values;
 use super::merged::Merged;
+use super::optional;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, RangeOrigin, Ranged, includes, inherited};
 use super::recorded_surfaces::RecordedSurfaceProblem;
@@ -88,6 +89,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     }
     let mut derived = MergedDerived::default();
     let (names, agreeing) = merge_layers(&mut merged, &mut derived, layers)?;
+    optional::add_to(&mut merged);
     let default = study::default_range(&studies);
     let has_workpiece = merged
         .get("workpiece.length")

@@ -26,13 +26,15 @@ LEVELS_BEGIN = "<!-- levels of the options: written by tests/peers/effects_of_ph
 LEVELS_END = "<!-- end of the levels -->"
 MUFFLER = "exhaust.muffler.kind=insertion_loss"
 OCTAVES = "exhaust.muffler.octaves=[0, 0, 0, 0, 5, 10, 15, 15, 15]"
-PROTRUSION = "piston.rod_protrusion=16mm"
+PROTRUSION = "piston.rod_protrusion=12.2mm"
+AZ91 = {"young_modulus": "45 GPa", "poisson_ratio": "0.35", "density": "1810 kg/m3"}
+AS_HOUSING = {part: [f"body.{part}.{key}={value}" for key, value in AZ91.items()] for part in ("cap", "sleeve")}
 SPEED, HEAD = "wood.rate=speed", "wood.head_law=yields"
 OPTIONS = [
     ("as tested, all options off", []),
     ("groove of 6.35 mm", ["workpiece.groove=6.35mm"]),
-    ("rod's protrusion 16 mm, not 12.2 mm", [PROTRUSION]),
-    ("groove and protrusion of 16 mm: as filmed", ["workpiece.groove=6.35mm", PROTRUSION]),
+    ("rod's protrusion 12.2 mm, not 16 mm", [PROTRUSION]),
+    ("groove and protrusion of 12.2 mm", ["workpiece.groove=6.35mm", PROTRUSION]),
     ("resistance depends on speed", [SPEED]),
     ("head yields", [HEAD]),
     ("both", [SPEED, HEAD]),
@@ -40,6 +42,8 @@ OPTIONS = [
     ("blow as waves", ["model.blow=elastic"]),
     ("growth rings, tip resistance +-20 %", ["wood.ring_amplitude=0.2"]),
     ("discharge of the exhaust 0.7", ["exhaust.discharge_coefficient=0.7"]),
+    ("discharge of the holes at the foot 0.62", ["chambers.return_hole_coefficient=0.62"]),
+    ("discharge of the check holes 0.62", ["chambers.check_hole_coefficient=0.62"]),
     ("trigger fills through 28 mm2", ["trigger.fill_area=28mm2"]),
     ("no fitting on the exhaust", ["exhaust.fitting.kind=none"]),
     ("wall of the fitting 3.2 mm, not 5.5 mm", ["exhaust.fitting.wall_thickness=3.2mm"]),
@@ -48,6 +52,8 @@ OPTIONS = [
     ("muffler of 5 to 15 dB above 500 Hz in its place", ["exhaust.fitting.kind=none", MUFFLER, OCTAVES]),
     ("foam on housing and cap", ["body.cover.surfaces=both"]),
     ("loss factor of the table 0.06, not 0.03", ["support.worktable.loss_factor=0.06"]),
+    ("cap of magnesium, not steel", AS_HOUSING["cap"]),
+    ("cylinder of magnesium, not aluminium", AS_HOUSING["sleeve"]),
 ]
 EVENTS = range(5, 15)
 COLUMNS = ["option", "outcome", *(f"t{n} [ms]" for n in EVENTS), "rod at nail [m/s]", "mean of nail [m/s]"]

@@ -113,7 +113,10 @@ fn stiffnesses_and_dashpots_are_those_of_the_contacts() {
 
 #[test]
 fn passages_have_their_areas_coefficients_and_delays() {
-    let p = common::n80cb();
+    let mut p = common::n80cb();
+    // Coefficients of their own, except for the leak's, which is the common one.
+    (p.chambers.check_hole_coefficient, p.chambers.return_hole_coefficient) = (0.61, 0.62);
+    (p.chambers.leak_coefficient, p.supply.hose_coefficient) = (0.0, 0.63);
     let (a, g) = (assembly(&p), Geometry::new(&p));
     let constant = |name: &str| {
         let passage = a
@@ -131,7 +134,10 @@ fn passages_have_their_areas_coefficients_and_delays() {
     all_same(&[
         ("A_ma", constant("exhaust").0, g.exhaust_area),
         ("C_d", constant("exhaust").1, p.exhaust.coefficient(&p.chambers)),
-        ("C_d of the check", constant("check").1, cd),
+        ("C_d of the check", constant("check").1, 0.61),
+        ("C_d of the foot", constant("foot").1, 0.62),
+        ("C_d of the leak", constant("leak").1, cd),
+        ("C_d of the hose", constant("refill").1, 0.63),
         ("A_1r", constant("check").0, p.chambers.check_hole_area),
         ("A_2r", constant("foot").0, p.chambers.return_hole_area),
         ("A_lk2", constant("leak").0, p.chambers.leak_area),

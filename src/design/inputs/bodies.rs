@@ -150,8 +150,14 @@ fn worktable(design: &Design) -> Result<Geometry, Error> {
 
 fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
     let b = &design.body;
-    let [housing, nose, sleeve] = [isotropic(&b.housing)?, isotropic(&b.nose)?, isotropic(&b.sleeve)?];
-    let own = own_mesh(design, BodyKind::Tool, (&b.mesh, b.mesh_unit), housing.slowest_speed())?;
+    let materials = [
+        ("housing", isotropic(&b.housing)?),
+        ("cap", isotropic(&b.cap)?),
+        ("nose", isotropic(&b.nose)?),
+        ("sleeve", isotropic(&b.sleeve)?),
+    ];
+    let slowest = materials[0].1.slowest_speed();
+    let own = own_mesh(design, BodyKind::Tool, (&b.mesh, b.mesh_unit), slowest)?;
     // A coil of nails as a solid cylinder with its axis along y.
     let (r, h) = (b.magazine_radius, b.magazine_height);
     let (along, across) = (r * r / 2.0, (3.0 * r * r + h * h) / 12.0);
@@ -168,7 +174,7 @@ fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
         mesh: own.unwrap_or_else(|| MeshSource::Tool(Box::new(tool_dimensions(design)), remesh)),
         naming: naming(design, BodyKind::Tool),
         properties: Properties {
-            materials: PartMaterials::Named(vec![("housing", housing), ("nose", nose), ("sleeve", sleeve)]),
+            materials: PartMaterials::Named(materials.into()),
             clamped: None,
             sand: None,
             remainder: b.lumped.then(remainder),

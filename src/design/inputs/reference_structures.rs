@@ -36,12 +36,13 @@ const MATERIALS: [&str; 7] = [
 ];
 
 /// Walls of the tool inside its outer surface, and its materials.
-const WITHIN_TOOL: [&str; 7] = [
+const WITHIN_TOOL: [&str; 8] = [
     "body.cap_wall",
     "body.handle_wall",
     "body.magazine_wall",
     "body.nose_wall",
     "body.housing.",
+    "body.cap.",
     "body.nose.",
     "body.sleeve.",
 ];
@@ -148,7 +149,8 @@ fn with_materials_of(design: &Design, from: &Design) -> Design {
         table.leg_wall = tube_wall().unwrap_or(table.leg_wall);
     }
     let (body, own) = (&mut standard.body, &from.body);
-    (body.housing, body.nose, body.sleeve) = (own.housing.clone(), own.nose.clone(), own.sleeve.clone());
+    (body.housing, body.cap) = (own.housing.clone(), own.cap.clone());
+    (body.nose, body.sleeve) = (own.nose.clone(), own.sleeve.clone());
     let sleeve = 0.5 * design.piston.bore;
     let as_wide = (body.dimensions.barrel_radius(sleeve) - own.dimensions.barrel_radius(sleeve)).abs() < SAME_RADIUS;
     if as_wide && with_inside_of(&body.dimensions, &own.dimensions) == own.dimensions {

@@ -383,12 +383,20 @@ impl Model {
             (0.0, 0.0, 0.0)
         };
         let (mc, hc) = if travel > c.check_hole_position && pr[0] > pr[2] {
-            self.both(gas(0), gas(2), cd * c.check_hole_area)
+            self.both(
+                gas(0),
+                gas(2),
+                c.coefficient(c.check_hole_coefficient) * c.check_hole_area,
+            )
         } else {
             (0.0, 0.0)
         };
-        let (mf, hf) = self.both(gas(1), gas(2), cd * c.return_hole_area);
-        let (ml, hl) = self.both(gas(1), (pa, ta), cd * c.leak_area);
+        let (mf, hf) = self.both(
+            gas(1),
+            gas(2),
+            c.coefficient(c.return_hole_coefficient) * c.return_hole_area,
+        );
+        let (ml, hl) = self.both(gas(1), (pa, ta), c.coefficient(c.leak_coefficient) * c.leak_area);
         let filling = t - self.released >= self.tau;
         let (mv, hv) = if t >= self.tau && !filling {
             self.both(gas(3), (pa, ta), p.trigger.vent_area * self.phi_out)
@@ -401,7 +409,11 @@ impl Model {
             (0.0, 0.0)
         };
         let (ms, hs) = if p.supply.pressure > pr[4] && !self.published {
-            self.both((p.supply.pressure, ta), gas(4), cd * p.supply.hose_area)
+            self.both(
+                (p.supply.pressure, ta),
+                gas(4),
+                c.coefficient(p.supply.hose_coefficient) * p.supply.hose_area,
+            )
         } else {
             (0.0, 0.0)
         };
