@@ -3,7 +3,8 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use nailnoise_dynamics::{CycleRecord, Method, Settings, simulate};
+use nailnoise_dynamics::blow::{self, Course};
+use nailnoise_dynamics::{BlowModel, CycleRecord, Method, Settings, blow_input, simulate};
 
 use common::n80cb;
 
@@ -45,6 +46,18 @@ fn calibration_shot() -> CycleRecord {
         ..Settings::default()
     };
     simulate(&n80cb(), &settings).expect("the base design runs")
+}
+
+/// The bars of an elastic blow, after the cycle.
+#[divan::bench]
+fn elastic_blow(bencher: divan::Bencher<'_, '_>) {
+    let mut parameters = n80cb();
+    parameters.model.blow = BlowModel::Elastic;
+    let record = simulate(&parameters, &Settings::default()).expect("the base design runs");
+    let input = blow_input(&parameters)
+        .expect("a complete input")
+        .expect("an elastic blow");
+    bencher.bench(|| blow::elastic_blow(&input, &Course::of_keys(&record).expect("a strike")));
 }
 
 #[divan::bench]

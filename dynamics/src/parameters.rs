@@ -373,7 +373,8 @@ group! {
         valve_underside: Form = Form::KIND, "hvp1";
         /// Nail: elasto-plastic penetration, or resistance that ends at full depth and at the first reversal.
         nail: Form = Form::KIND, "nailmode";
-        /// Rod on nail: a plastic impact that keeps momentum, or a mass that jumps at constant velocity.
+        /// Rod on nail: a plastic impact that keeps momentum, or a mass that jumps at constant velocity. `blow` selects
+        /// elastic bars.
         impact: Form = Form::KIND, "jump";
         /// Blow of the rod on the nail: rigid, or waves in elastic bars.
         blow: BlowModel = BlowModel::KIND, "";

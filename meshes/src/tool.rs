@@ -158,10 +158,10 @@ impl Tool {
 }
 
 /// Meshes a tool body with quadratic tetrahedra; the parts are `housing`, `cap`, `nose` and `sleeve`. The face groups
-/// are `nose_tip`, `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum`
-/// (within the cap) and `sleeve_outside`. `fit_slave` (the sleeve's upper end) must be tied to `fit_master` (the
-/// barrel's inner surface; `barrel_inside` for a free sleeve). Like the body, the mesh is symmetric about y = 0: gmsh
-/// meshes the half at y >= 0, and the other half is its mirror image.
+/// are `nose_tip`, `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle),
+/// `plenum` (within the cap) and `sleeve_outside`. `fit_slave` (the sleeve's upper end) must be tied to `fit_master`
+/// (the barrel's inner surface; `barrel_inside` for a free sleeve). Like the body, the mesh is symmetric about y = 0:
+/// gmsh meshes the half at y >= 0, and the other half is its mirror image.
 ///
 /// The embedded mesh is used if it was made for these dimensions, unless `anew` is set; otherwise gmsh makes the mesh.
 ///

@@ -19,12 +19,6 @@ const RETURN: usize = 12;
 /// Last event of the drive.
 const DRIVEN: usize = 9;
 
-/// The volume above the head valve is vented.
-const VENTED: usize = 2;
-
-/// The nail's tip meets the wood.
-const TIP_MEETS_WOOD: usize = 6;
-
 /// End of a record from which only the drive is read \[s\].
 const END_OF_DRIVE: f64 = 45e-3;
 
@@ -207,7 +201,7 @@ impl Quantity {
     ///
     /// From published comparisons of the model: times differ by 2.6 % rms except for the drive, pressures above the
     /// piston by 7.5 % rms. From the comparison with the N80CB (`docs/validation.md`), for figures that the ranges of
-    /// its inputs do not contain, the distance to their interval: 8 % for the mean speed, 0.25 ms from t2 to t6. The
+    /// its inputs do not contain, the distance to their interval: 8 % for the mean speed, 0.25 ms for the drive. The
     /// values for depth, speed before impact and travel are estimates.
     pub(super) fn discrepancy(&self, value: f64) -> f64 {
         let share = |share: f64| Spread::new(share, 0.0).at(value);
@@ -220,8 +214,7 @@ impl Quantity {
             Self::Interval { from, to } if [from, to].iter().any(|event| (RETURN..=RETURN + 1).contains(*event)) => {
                 share(0.1).max(2e-3)
             }
-            Self::Interval { to: DRIVEN, .. } => share(0.05),
-            Self::Interval { from, to } if *from <= VENTED && *to >= TIP_MEETS_WOOD => share(0.03).max(2.5e-4),
+            Self::Interval { to: DRIVEN, .. } => share(0.05).max(2.5e-4),
             Self::Interval { .. } => share(0.03).max(1e-4),
             Self::Pressure(Chamber::AbovePiston, _) | Self::PeakPressure(Chamber::AbovePiston) => {
                 spread::PRESSURE_ABOVE_ERROR.at(value)

@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use toml::de::{DeTable, DeValue};
 
+use super::derived::Solution;
 use super::source::{COMMAND_LINE, File};
 
 /// A value for a key, such as `supply.pressure=80psig`.
@@ -68,6 +69,17 @@ impl Assignment {
     /// The key, as it was given.
     pub(crate) fn key(&self) -> &str {
         self.line.split_once(" = ").map_or(&self.line, |(key, _)| key)
+    }
+
+    /// The assignment as a line of a design file. There, a derived quantity names the quantity that follows from it.
+    pub(crate) fn in_file(&self) -> String {
+        match self.line.split_once(" = ") {
+            Some((key, value)) if !value.starts_with('{') => match Solution::usual(key) {
+                Some(solution) => format!("{key} = {{ value = {value}, follows = \"{}\" }}", solution.follower),
+                None => self.line.clone(),
+            },
+            _ => self.line.clone(),
+        }
     }
 
     /// The assignment as a one-line design file; file names in its value are relative to the working directory.

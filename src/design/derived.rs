@@ -75,6 +75,11 @@ pub(super) const SOLUTIONS: &[Solution] = &[
 ];
 
 impl Solution {
+    /// The default solution for a derived quantity, if another quantity can follow from it.
+    pub(super) fn usual(key: &str) -> Option<&'static Self> {
+        SOLUTIONS.iter().find(|own| own.key == key)
+    }
+
     /// The solution that [`Values::set`] applies under this name.
     pub(super) fn find(change: &str) -> Option<&'static Self> {
         SOLUTIONS.iter().find(|own| own.change == change)

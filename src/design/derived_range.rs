@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use nailnoise_quantities::{Value, positive};
 
 use super::Entry;
-use super::derived::{Derived, SOLUTIONS, Solution};
+use super::derived::{Derived, Solution};
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
 use super::groups::Values;
@@ -99,33 +99,7 @@ impl MergedDerived {
         let Some((range, place)) = given.range.clone() else {
             return Ok(());
         };
-        let follows = given.follows.clone();
-        let solution = SOLUTIONS.iter().find(|own| {
-            own.key == key
-                && follows.as_ref().is_none_or(|(word, _)| {
-                    own.follower == word || own.follower.rsplit('.').next() == Some(word.as_str())
-                })
-        });
-        let Some(solution) = solution else {
-            let own = SOLUTIONS.iter().filter(|own| own.key == key);
-            let known: Vec<String> = own.map(|own| format!("\"{}\"", own.follower)).collect();
-            let (found, expected) = match &follows {
-                Some((word, _)) if !known.is_empty() => {
-                    (format!("the text \"{word}\""), format!("as {}", known.join(" or ")))
-                }
-                _ => (
-                    "a range".to_owned(),
-                    "without a range: no quantity follows from it".to_owned(),
-                ),
-            };
-            let at = follows.map_or(place, |(_, at)| at);
-            return Err(Problem::WrongKind {
-                key: key.to_owned(),
-                found,
-                expected,
-            }
-            .at(at));
-        };
+        let solution = given.solution("a range", &place)?;
         if ranged.iter().any(|key| key == solution.follower) {
             return Err(Problem::WrongKind {
                 key: solution.follower.to_owned(),
@@ -176,6 +150,7 @@ impl MergedDerived {
             // Values in the files of the chain have the kinds of their keys.
             let _ = base.set(&primaries);
             let [own, base] = [values, &base].map(|values| (derived.value)(values));
+            let base = draft.given.value.as_ref().map_or(base, |(value, _)| value.si);
             let range = draft.range.of(base, ambient);
             let [low, high] = range.map(|end| show(end, derived.dimension));
             if range[0] > range[1] {

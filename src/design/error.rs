@@ -12,6 +12,7 @@ use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Dimension, UnitError};
 
 use super::conflict::Conflict;
+use super::derived::Solution;
 use super::recorded_surfaces::RecordedSurfaceProblem;
 use super::sensors::SensorProblem;
 use super::show::show;
@@ -598,7 +599,16 @@ impl Problem {
             ),
             Self::Derived { key, primaries, .. } => {
                 let keys: Vec<_> = primaries.iter().map(|(key, _)| format!("`{key}`")).collect();
-                format!("remove `{key}` and change {}", keys.join(", "))
+                let last = primaries
+                    .last()
+                    .and_then(|(key, _)| key.rsplit('.').next())
+                    .unwrap_or_default();
+                let follows = if Solution::usual(key).is_some() {
+                    format!("; or give `{key}` as {{ value = ..., follows = \"{last}\" }}")
+                } else {
+                    String::new()
+                };
+                format!("remove `{key}` and change {}{follows}", keys.join(", "))
             }
             Self::Conflict { conflict, others, .. } => {
                 let also: Vec<_> = others

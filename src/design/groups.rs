@@ -473,10 +473,10 @@ group! {
         /// Loss factor of the assembled tool's modes.
         loss_factor: f64 = fraction(), "eta";
         /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes. Parts named `housing`, `cap`,
-        /// `nose` and `sleeve` take their materials; a mesh with a single part takes that of the housing. Masses are lumped on the
-        /// surfaces `nose_tip`, `magazine` and `seat`. The nodes of a surface `NAME_slave` follow those of
-        /// `NAME_master`. Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`,
-        /// and gas acts on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`, if the mesh has these.
+        /// `nose` and `sleeve` take their materials; a mesh with a single part takes that of the housing. Masses are
+        /// lumped on the surfaces `nose_tip`, `magazine` and `seat`. The nodes of a surface `NAME_slave` follow those
+        /// of `NAME_master`. Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and
+        /// `handle`, and gas acts on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`, if the mesh has these.
         /// `surfaces.NAME` gives the places of surfaces that the file does not name. In a file that names none of them,
         /// all but the magazine are recognised by the axis x = y = 0 and the bore; `nailnoise check DESIGN --body tool`
         /// shows them.

@@ -46,6 +46,7 @@ mod sensors;
 mod set;
 mod settings;
 mod show;
+mod solved;
 mod source;
 mod springs;
 mod study;

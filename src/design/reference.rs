@@ -100,7 +100,7 @@ const INTRODUCTION: &str = include_str!("reference.md");
 const DERIVED_INTRODUCTION: &str = "
 ## Derived quantities
 
-These are computed and never given twice; `exhaust.area` may have a range for studies. A file that gives one which
+These are computed and never given twice; `exhaust.area` may be given with `follows`. A file that gives one which
 differs by more than 0.1 % from the computed value is refused, with both numbers and the primary quantities to change.
 One that agrees is accepted with a warning that it has no effect.
 

@@ -23,6 +23,7 @@ use super::report::ReportSettings;
 use super::sensors::SensorProblem;
 use super::settings::{Given, Layer, Setting};
 use super::show::show;
+use super::solved::SolvedValues;
 use super::source::File;
 use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
@@ -88,7 +89,8 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         report.read(file, &table)?;
     }
     let mut derived = MergedDerived::default();
-    let (names, agreeing) = merge_layers(&mut merged, &mut derived, layers)?;
+    let mut solved = SolvedValues::default();
+    let (names, agreeing) = merge_layers(&mut merged, (&mut derived, &mut solved), layers)?;
     optional::add_to(&mut merged);
     let default = study::default_range(&studies);
     let has_workpiece = merged
@@ -118,7 +120,16 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         .iter()
         .map(|(key, record)| (key.clone(), record.value.clone()))
         .collect();
-    let values = Values::build("", &found).map_err(|key| missing_key((key, false), 1, "a value".to_owned(), chain))?;
+    let mut values =
+        Values::build("", &found).map_err(|key| missing_key((key, false), 1, "a value".to_owned(), chain))?;
+    solved.apply(&mut values, |followed| {
+        if let Some(record) = records.get_mut(followed.follower) {
+            record.value = followed.value;
+            record.provenance = Provenance::Design;
+            record.source = format!("follows from `{}`", followed.from);
+            (record.place, record.depth) = (followed.at, followed.depth);
+        }
+    })?;
     // With an assembly the keys that it uses are known later.
     if let Some(conflict) = values.conflict().filter(|_| assembly.is_none()) {
         return Err(conflicting(conflict, &records));
@@ -153,7 +164,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
 /// of the command line count as one file: a key wins over a name regardless of their order.
 fn merge_layers(
     merged: &mut HashMap<String, Merged>,
-    derived: &mut MergedDerived,
+    (derived, solved): (&mut MergedDerived, &mut SolvedValues),
     layers: Vec<(usize, bool, Layer)>,
 ) -> Result<(Names, Vec<Agreeing>), DesignError> {
     let (on_command_line, in_files): (Vec<_>, Vec<_>) =
@@ -171,15 +182,21 @@ fn merge_layers(
         let ranged = all.iter().filter(|setting| setting.range.is_some());
         let ranged: Vec<String> = ranged.map(|setting| setting.key.clone()).collect();
         ranged.iter().for_each(|key| derived.drop_of_follower(key));
+        let valued = all.iter().filter(|setting| setting.value.is_some());
+        let valued: Vec<String> = valued.map(|setting| setting.key.clone()).collect();
+        solved.drop_of_followers(&valued);
         let mut of_file = Vec::new();
-        for (depth, _, layer) in file {
+        for (depth, is_command_line, layer) in file {
             for setting in layer.settings {
                 merge(merged, setting, depth);
             }
-            of_file.extend(layer.derived);
+            let here = (depth, is_command_line);
+            of_file.extend(layer.derived.into_iter().map(|given| (here, given)));
         }
-        for mut given in of_file {
-            if let Some((value, at)) = given.value.take() {
+        for (here, mut given) in of_file {
+            if solved.take(&given, here, &valued)? {
+                agreeing.retain(|own: &Agreeing| own.derived.key != given.derived.key);
+            } else if let Some((value, at)) = given.value.take() {
                 agreeing.push(Agreeing {
                     derived: given.derived,
                     value,

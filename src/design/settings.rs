@@ -11,7 +11,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::assembly::AssemblyKeys;
-use super::derived::Derived;
+use super::derived::{Derived, SOLUTIONS, Solution};
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
 use super::provenance::Provenance;
@@ -55,8 +55,8 @@ impl Setting {
     }
 }
 
-/// The statements of one file about a derived quantity: a value with which it must agree, or a range from which a study
-/// draws it.
+/// The statements of one file about a derived quantity: a value with which it must agree or which a primary quantity
+/// follows, or a range from which a study draws it.
 #[derive(Debug)]
 pub(crate) struct GivenDerived {
     pub(crate) derived: &'static Derived,
@@ -67,6 +67,38 @@ pub(crate) struct GivenDerived {
     pub(crate) note: Option<String>,
     /// The primary quantity that follows.
     pub(crate) follows: Option<(String, Box<Place>)>,
+}
+
+impl GivenDerived {
+    /// The solution by which a quantity follows from the statement `found` at this place.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub(super) fn solution(&self, found: &str, at: &Place) -> Result<&'static Solution, DesignError> {
+        let key = self.derived.key;
+        let is_meant = |own: &&Solution| {
+            let last = own.follower.rsplit('.').next();
+            let named = |word: &str| own.follower == word || last == Some(word);
+            self.follows.as_ref().is_none_or(|(word, _)| named(word))
+        };
+        let own = SOLUTIONS.iter().filter(|own| own.key == key);
+        if let Some(solution) = own.clone().find(is_meant) {
+            return Ok(solution);
+        }
+        let known: Vec<String> = own.map(|own| format!("\"{}\"", own.follower)).collect();
+        let (found, expected) = match &self.follows {
+            Some((word, _)) if !known.is_empty() => {
+                (format!("the text \"{word}\""), format!("as {}", known.join(" or ")))
+            }
+            _ => (
+                found.to_owned(),
+                format!("without {found}: no quantity follows from it"),
+            ),
+        };
+        let at = self.follows.as_ref().map_or(at, |(_, at)| at).clone();
+        let key = key.to_owned();
+        Err(Problem::WrongKind { key, found, expected }.at(Box::new(at)))
+    }
 }
 
 /// All statements of one file.

@@ -190,8 +190,8 @@ fn even_and_odd_modes_of_the_shipped_tool_are_solved_separately() {
 
 /// Compares a mesh of the shipped geometry, with a cap of the housing's material and walls of 5 mm, with an independent
 /// model whose frequencies are accurate to 3 %. Both contain housing and nose, without sleeve and lumped masses. With
-/// elements three times finer everywhere, our frequencies are lower by at most another 0.7 %. Without the finer elements
-/// at the joints of nose, arm and handle, they would be up to 6 % higher.
+/// elements three times finer everywhere, our frequencies are lower by at most another 0.7 %. Without the finer
+/// elements at the joints of nose, arm and handle, they would be up to 6 % higher.
 #[test]
 fn the_bare_housing_has_the_reference_modes() {
     let mut design = design("designs/n80cb.toml");

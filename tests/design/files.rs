@@ -6,7 +6,8 @@ use std::path::Path;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use nailnoise::design::{
-    DERIVED, Design, DesignError, Entry, Problem, Provenance, RangeOrigin, Rings, SupportKind, Value, reference,
+    Assignment, DERIVED, Design, DesignError, Entry, Problem, Provenance, RangeOrigin, Rings, SupportKind, Value,
+    reference,
 };
 use proptest::prelude::*;
 
@@ -461,6 +462,36 @@ fn a_value_outside_its_range_is_a_warning() {
             .warnings()
             .is_empty()
     );
+}
+
+/// 5 holes of 8 mm have 251.3 mm2.
+#[test]
+fn a_primary_quantity_follows_from_a_derived_one_where_the_design_says_so() {
+    let area = "251.32741228718345 mm2";
+    let is_8_mm = |design: &Design| (design.exhaust.hole_diameter / 8e-3 - 1.0).abs() < 1e-12;
+    let by_diameter = changed(&format!(
+        "exhaust.area = {{ value = \"{area}\", follows = \"hole_diameter\" }}"
+    ));
+    assert!(is_8_mm(&by_diameter) && by_diameter.exhaust.holes == 5);
+    let entry = &entries(&by_diameter)["exhaust.hole_diameter"];
+    assert_eq!((entry.line, entry.source.as_str()), (2, "follows from `exhaust.area`"));
+    // The range of the base, 100 to 1000 mm2 around 140 mm2, is scaled.
+    let drawn = by_diameter.drawn_derived().next().unwrap().0;
+    let ratio = by_diameter.exhaust.area() / load(BASE).exhaust.area();
+    assert_near(drawn.range, [1e-4 * ratio, 1e-3 * ratio]);
+    // A range in the same file is that of the value.
+    let ranged = changed("exhaust.area = { value = \"300 mm2\", range = \"200 .. 400 mm2\", follows = \"holes\" }");
+    assert_eq!(ranged.exhaust.holes, 11);
+    assert_near(ranged.drawn_derived().next().unwrap().0.range, [2e-4, 4e-4]);
+    // On the command line, the value alone is enough, and a closer value of the follower wins.
+    let with = |sets: &[&str]| {
+        let sets: Vec<Assignment> = sets.iter().map(|set| set.parse().unwrap()).collect();
+        Design::load_with(BASE, &sets)
+    };
+    assert!(is_8_mm(&with(&[&format!("exhaust.area={area}")]).unwrap()));
+    assert!(with(&["exhaust.area=200mm2", "exhaust.hole_diameter=8mm"]).is_err());
+    assert!(with(&["piston.area=2000mm2"]).is_err());
+    assert!(with(&["exhaust.area=-1mm2"]).is_err());
 }
 
 #[test]

@@ -28,7 +28,12 @@ FILMED = "designs/n80cb-as-filmed.toml"
 SETUPS = {"worktable": (), "sandbox": ("support.kind=sandbox",)}
 GRAVITY = 9.80665
 SENSORS = [("worktable", "TC"), ("worktable", "TE"), ("worktable", "W"), ("sandbox", "W")]
-INTERVALS = [("t0", "t2"), ("t2", "t6"), ("t0", "t6"), ("t6", "t9"), ("t9", "t12"), ("t12", "t13"), ("t13", "t14"), ("t14", "t15"), ("t15", "t16")]
+INTERVALS = [
+    ("t0", "t2"), ("t2", "t6"), ("t0", "t6"), ("t6", "t9"), ("t9", "t12"), ("t12", "t13"), ("t13", "t14"), ("t9", "t14"),
+    ("t14", "t15"), ("t15", "t16")
+]
+# Events of chapter 4 of the source, and their names in its chapter 1.
+CHAPTER_1 = {"t0": "t0", "t4": "t1", "t6": "t2", "t7": "t4", "t8": "t5", "t9": "t6", "t14": "t9", "t15": "t11", "t16": "t12"}
 LEADING = 10.0
 THIRDS = [50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150, 4000, 5000, 6300, 8000, 10000]
 
@@ -184,8 +189,10 @@ def events(program, draws):
             continue
         found = [1e3 * (shot[end] - shot[start]) for shot in shots if shot.get(start) is not None and shot.get(end) is not None]
         interval = f"{quantile(found, 0.05):.2f} .. {quantile(found, 0.95):.2f}" if found else ""
-        rows.append([f"{end} - {start}", f"{1e3 * (own[end] - own[start]):.2f}", interval])
-    return markdown(["interval", "design [ms]", "5 .. 95 % [ms]"], rows)
+        both = start in CHAPTER_1 and end in CHAPTER_1
+        other = f"{CHAPTER_1[end]} - {CHAPTER_1[start]}" if both else "none"
+        rows.append([f"{end} - {start}", f"{1e3 * (own[end] - own[start]):.2f}", interval, other])
+    return markdown(["interval, events of ch. 4", "design [ms]", "5 .. 95 % [ms]", "in ch. 1"], rows)
 
 
 def statements(program, draws):

@@ -44,6 +44,7 @@ OPTIONS = [
     ("discharge of the exhaust 0.7", ["exhaust.discharge_coefficient=0.7"]),
     ("discharge of the holes at the foot 0.62", ["chambers.return_hole_coefficient=0.62"]),
     ("discharge of the check holes 0.62", ["chambers.check_hole_coefficient=0.62"]),
+    ("discharge of leak and hose 0.62", ["chambers.leak_coefficient=0.62", "supply.hose_coefficient=0.62"]),
     ("trigger fills through 28 mm2", ["trigger.fill_area=28mm2"]),
     ("no fitting on the exhaust", ["exhaust.fitting.kind=none"]),
     ("wall of the fitting 3.2 mm, not 5.5 mm", ["exhaust.fitting.wall_thickness=3.2mm"]),
@@ -51,7 +52,9 @@ OPTIONS = [
     ("trigger vent counted to the exhaust", ["sources.trigger_vent=exhaust"]),
     ("muffler of 5 to 15 dB above 500 Hz in its place", ["exhaust.fitting.kind=none", MUFFLER, OCTAVES]),
     ("foam on housing and cap", ["body.cover.surfaces=both"]),
+    ("foam that does not move with the wall", ["body.cover.surfaces=both", "body.cover.frame=resting"]),
     ("loss factor of the table 0.06, not 0.03", ["support.worktable.loss_factor=0.06"]),
+    ("loss factor of the table 0.01", ["support.worktable.loss_factor=0.01"]),
     ("cap of magnesium, not steel", AS_HOUSING["cap"]),
     ("cylinder of magnesium, not aluminium", AS_HOUSING["sleeve"]),
 ]

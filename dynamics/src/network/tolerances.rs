@@ -41,6 +41,7 @@ pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
         weighted -= 2;
     }
     // The solver's norm is a mean over all entries, so those without an error weight must be excluded from it.
-    let share = (weighted as f64 / plan.size() as f64).sqrt();
+    // Without bodies and volumes no entry has a weight.
+    let share = (weighted.max(1) as f64 / plan.size().max(1) as f64).sqrt();
     size.iter().map(|size| relative * size * share).collect()
 }

@@ -370,6 +370,18 @@ fn what_is_no_file_or_no_toml_is_refused() {
     }
 }
 
+#[test]
+fn a_circle_is_placed_in_the_file_that_closes_it() {
+    for (changes, path) in [
+        ("[cycle.body.tool]\nparent = \"piston\"", "cycle.body.tool.parent"),
+        ("[cycle.event.t6]\nafter = \"t9\"", "cycle.event.t6.after"),
+    ] {
+        let (message, error) = refusal(changes);
+        assert_eq!((error.at.file(), error.at.line()), ("own.toml", 4), "{message}");
+        assert_eq!(error.path, path);
+    }
+}
+
 /// The place of a fault between blocks of the assembly is the block there, and the message names the user's field.
 #[test]
 fn a_fault_that_an_override_causes_names_the_override() {

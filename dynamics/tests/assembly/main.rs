@@ -13,3 +13,4 @@ mod random;
 mod runs;
 mod shipped;
 mod unused;
+mod unusual;

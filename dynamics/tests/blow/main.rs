@@ -9,6 +9,7 @@ mod n80cb_assembly;
 #[path = "../common/random_assembly.rs"]
 mod random_assembly;
 
+use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use nailnoise_dynamics::blow::{Bar, Blow, BlowInput, Course, EndContact, advance, elastic_blow};
@@ -235,6 +236,51 @@ fn the_first_strike_converges_with_the_elements() {
     };
     let [far, near] = [distance(&coarse), distance(&shipped)];
     assert!(near < 0.02 && near < far, "{far} {near}");
+}
+
+/// Energy of a force in the third octave around `centre` \[Hz\], by its Fourier integral every 10 Hz.
+fn third_octave(force: &[f64], interval: f64, centre: f64) -> f64 {
+    let [low, high] = [-1.0, 1.0].map(|side| centre * 2f64.powf(side / 6.0));
+    let lines = (low / 10.0).ceil() as usize..(high / 10.0) as usize;
+    let square = |line: usize| {
+        let step = 2.0 * PI * 10.0 * line as f64 * interval;
+        let parts = force.iter().enumerate().fold([0.0; 2], |[a, b], (k, f)| {
+            let (sin, cos) = (step * k as f64).sin_cos();
+            [a + f * cos, b + f * sin]
+        });
+        parts[0].powi(2) + parts[1].powi(2)
+    };
+    lines.map(square).sum()
+}
+
+/// Changes of the force on the wood \[dB\] between these numbers of elements, in third octaves from 1 kHz on.
+fn change(elements: [usize; 2], bands: &[f64]) -> Vec<f64> {
+    let input = base_input();
+    let [one, other] = elements.map(|elements| {
+        let input = BlowInput {
+            elements,
+            ..input.clone()
+        };
+        blow_of(&input).on_wood
+    });
+    let level = |force: &[f64], band: f64| 10.0 * third_octave(force, BASE.sample_interval, band).log10();
+    bands
+        .iter()
+        .map(|band| level(&one, *band) - level(&other, *band))
+        .collect()
+}
+
+/// Above, the times of single strikes decide: between 128 and 256 elements, bands from 8 kHz on change by 10 dB.
+#[test]
+fn third_octaves_of_the_force_on_the_wood_converge_up_to_3_khz() {
+    let bands = [1000.0, 1250.0, 1600.0, 2000.0, 2500.0, 3150.0];
+    for elements in [[64, 128], [128, 256]] {
+        let changes = change(elements, &bands);
+        assert!(
+            changes.iter().all(|change| change.abs() < 1.0),
+            "{elements:?}: {changes:.1?} dB in {bands:?} Hz"
+        );
+    }
 }
 
 #[test]

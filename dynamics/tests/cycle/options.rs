@@ -214,3 +214,39 @@ fn an_option_out_of_range_is_refused_by_name() {
     assert_eq!(refused(|p| p.nail.magazine_friction = -1.0), "nail.magazine_friction");
     assert_eq!(refused(|p| p.trigger.release_after = -0.01), "trigger.release_after");
 }
+
+/// Until its tip meets the wood, the nail moves as over a plain block; the tip then has `groove` farther to go.
+#[test]
+fn a_nail_in_a_groove_meets_the_wood_later_by_the_depth_of_the_groove() {
+    let mut p = n80cb();
+    p.workpiece.groove = 6.35e-3;
+    let r = run(&p);
+    let travel = |r: &CycleRecord| {
+        let at = r.events.to_array()[6].unwrap() / r.sample_interval;
+        let (before, part) = (at as usize, at.fract());
+        let travel = &r.motion.piston_travel;
+        travel[before] + part * (travel[before + 1] - travel[before])
+    };
+    let farther = travel(&r) - travel(&BASE);
+    assert!((farther - 6.35e-3).abs() < 1e-5, "{farther} m");
+    // The head stops on the bottom of the groove, up to the wood's give under it.
+    assert!(
+        r.motion
+            .nail_depth
+            .iter()
+            .all(|depth| *depth < p.nail.length + p.nail.overdrive_limit)
+    );
+    assert!(r.is_certified(), "{:?}", r.checks);
+}
+
+#[test]
+fn a_nail_longer_than_the_wood_below_a_groove_is_refused() {
+    let mut p = n80cb();
+    p.workpiece.groove = 15e-3;
+    let left = p.workpiece.thickness - p.workpiece.groove;
+    let error = simulate(&p, &Settings::default()).unwrap_err();
+    assert!(
+        matches!(error, CycleError::NailLongerThanBlock { thickness, .. } if thickness == left),
+        "{error}"
+    );
+}

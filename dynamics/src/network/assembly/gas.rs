@@ -120,6 +120,20 @@ pub struct Restriction {
     pub pipe: Option<Pipe>,
 }
 
+impl Restriction {
+    /// The discharge coefficient with the friction of the pipe, 1/sqrt(1/C^2 + f L/d); none if it depends on the
+    /// pressure ratio.
+    pub fn discharge_coefficient(&self) -> Option<f64> {
+        match (&self.coefficient, self.pipe) {
+            (Coefficient::Constant(c), None) => Some(*c),
+            (Coefficient::Constant(c), Some(pipe)) => {
+                Some(1.0 / (1.0 / (c * c) + pipe.friction * pipe.length / pipe.diameter).sqrt())
+            }
+            (Coefficient::RatioPolynomial { .. }, _) => None,
+        }
+    }
+}
+
 /// Area of a restriction as a function of the state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Opens {

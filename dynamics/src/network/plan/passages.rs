@@ -50,17 +50,13 @@ impl Compiler<'_> {
                 })
             };
             let constant = match (&restriction.coefficient, restriction.pipe) {
-                (Coefficient::Constant(c), None) => Some(*c),
-                (Coefficient::Constant(c), Some(pipe)) => {
-                    Some(1.0 / (1.0 / (c * c) + pipe.friction * pipe.length / pipe.diameter).sqrt())
-                }
                 (Coefficient::RatioPolynomial { .. }, _) if count > 1 => {
                     return Err(refuse("has a coefficient over the pressure ratio in a series"));
                 }
                 (Coefficient::RatioPolynomial { .. }, Some(_)) => {
                     return Err(refuse("has a coefficient over the pressure ratio and a pipe"));
                 }
-                (Coefficient::RatioPolynomial { .. }, None) => None,
+                _ => restriction.discharge_coefficient(),
             };
             let area = match restriction.opens {
                 Opens::Constant { area } => AreaPlan::Constant(area * constant.unwrap_or(1.0)),

@@ -35,7 +35,7 @@ impl<'n> Part<'n> {
         };
         let mut parts = vec![Self::new(Family::Volume, &volume.name, &["dead"])];
         for face in assembly.faces.iter().filter(|face| face.gas == Space::Volume(index)) {
-            let fields = &["volume", "body", "against", "push", "area", "zero", "sweeps"];
+            let fields = &["volume", "body", "against", "push", "area", "zero", "constant_volume"];
             parts.push(Self::new(Family::Face, &face.name, fields));
             if let Some(body) = assembly.bodies.get(face.body) {
                 parts.push(Self::new(Family::Body, &body.name, &["parent", "start"]));

@@ -78,6 +78,22 @@ impl<'r, 'a> Fields<'r, 'a> {
         self.resolver.error(&self.full(key), self.spot(key), fault)
     }
 
+    /// An error of blocks that refer to each other in a circle by the field `key`. It is placed in the file nearest to
+    /// the design, which closes the circle.
+    pub(super) fn circle<'f>(blocks: impl IntoIterator<Item = &'f Self>, key: &str) -> Option<AssemblyError>
+    where
+        Self: 'f,
+    {
+        let blocks: Vec<&Self> = blocks.into_iter().collect();
+        let rank = |block: &&&Self| block.resolver.text.sources.rank(block.spot(key));
+        let nearest = blocks.iter().rev().max_by_key(rank)?;
+        let names = blocks.iter().chain(blocks.first());
+        let names = names
+            .map(|block| block.path.rsplit('.').next().unwrap_or_default().to_owned())
+            .collect();
+        Some(nearest.error(key, Fault::Circle { names }))
+    }
+
     /// An error of the block.
     pub(super) fn own_error(&self, fault: Fault) -> AssemblyError {
         self.resolver.error(&self.path, &self.node.spot, fault)

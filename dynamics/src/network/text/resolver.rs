@@ -212,6 +212,21 @@ impl<'a> Resolver<'a> {
         } else {
             0.0
         };
+        let range = details.range.map(|ends| ends.map(|end| end.absolute(ambient)));
+        if let Some([low, high]) = range {
+            let value = measured.absolute(ambient);
+            let outside = [low, high].into_iter().find(|end| !kind.allows(*end));
+            if let Some(value) = outside {
+                let allowed = kind.allowed();
+                return Err(wrong(Fault::Domain { value, allowed }));
+            }
+            // A value that a nearer file gives may lie outside the range of the base.
+            let [from, to] = ["value", "range"].map(|field| node.get(field).map(|own| own.spot.document));
+            if from == to && !(low..=high).contains(&value) {
+                let allowed = format!("within its range, from {low} to {high}");
+                return Err(wrong(Fault::Domain { value, allowed }));
+            }
+        }
         let si = match self.keys.value(path) {
             Some(KeyValue::Quantity { si, .. }) => si,
             _ => measured.absolute(ambient),
@@ -220,7 +235,7 @@ impl<'a> Resolver<'a> {
             path: path.to_owned(),
             kind,
             si,
-            range: details.range.map(|ends| ends.map(|end| end.absolute(ambient))),
+            range,
             provenance: details.provenance,
             note: details.note,
             at: *self.text.sources.place(&node.spot),

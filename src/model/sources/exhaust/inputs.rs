@@ -6,7 +6,7 @@ use nailnoise_acoustics::AcousticsError;
 use nailnoise_acoustics::jets::{Opening, PipeFitting, PlenumResonance};
 use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
 use nailnoise_dynamics::network::Assembly;
-use nailnoise_dynamics::network::assembly::{self, Coefficient};
+use nailnoise_dynamics::network::assembly::{self, Coefficient, Restriction};
 
 use super::super::housing::sound::NAME as HOUSING;
 use super::sound::{ExhaustOutlet, Muffler, NoisyOpening, Openings, round};
@@ -66,7 +66,7 @@ fn of_keys(design: &Design) -> Result<Vec<NoisyOpening>, Error> {
 fn of_assembly(design: &Design, assembly: &Assembly) -> Result<Vec<NoisyOpening>, Error> {
     let opening = |own: &assembly::Opening| {
         let coefficient = match assembly.passages[own.passage].restrictions.get(own.restriction) {
-            Some(restriction) => constant(&restriction.coefficient),
+            Some(restriction) => coefficient(restriction),
             None => 1.0,
         };
         let count = own.count.max(1.0);
@@ -90,10 +90,10 @@ fn of_assembly(design: &Design, assembly: &Assembly) -> Result<Vec<NoisyOpening>
 }
 
 /// A discharge coefficient for the jet: of one that depends on the pressure ratio, the middle of its range.
-fn constant(coefficient: &Coefficient) -> f64 {
-    match coefficient {
-        Coefficient::Constant(value) => *value,
+fn coefficient(restriction: &Restriction) -> f64 {
+    match restriction.coefficient {
         Coefficient::RatioPolynomial { from, to, .. } => 0.5 * (from + to),
+        Coefficient::Constant(value) => restriction.discharge_coefficient().unwrap_or(value),
     }
 }
 

@@ -52,11 +52,11 @@ pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, Assembly
             dimension,
         });
     }
-    for (start, (_, own)) in fields.iter().enumerate() {
+    for start in 0..fields.len() {
         let mut path = vec![start];
         if reaches(&sensors, start, start, &mut path, &mut vec![false; sensors.len()]) {
-            let names = path.iter().map(|index| sensors[*index].sensor.name.clone()).collect();
-            return Err(own.error("is", Fault::Circle { names }));
+            let circle = path[..path.len() - 1].iter().map(|sensor| &fields[*sensor].1);
+            return Fields::circle(circle, "is").map_or(Ok(sensors), Err);
         }
     }
     Ok(sensors)
@@ -438,18 +438,17 @@ pub(super) fn events(
             pick: fields.word("pick", &PICKS)?.unwrap_or(Pick::First),
         });
     }
-    for (start, (name, fields)) in blocks.iter().enumerate() {
-        let mut names = vec![(*name).to_owned()];
-        let mut at = events[start].after;
-        while let Some(next) = at {
-            names.push(events[next].name.clone());
+    for start in 0..blocks.len() {
+        let mut path = vec![start];
+        while let Some(next) = events[path[path.len() - 1]].after {
             if next == start {
-                return Err(fields.error("after", Fault::Circle { names }));
+                let circle = path.iter().map(|event| &blocks[*event].1);
+                return Fields::circle(circle, "after").map_or(Ok(events), Err);
             }
-            if names.len() > events.len() {
+            if path.len() > events.len() {
                 break;
             }
-            at = events[next].after;
+            path.push(next);
         }
     }
     Ok(events)

@@ -23,19 +23,18 @@ pub(super) fn parents(resolver: &Resolver<'_>) -> Result<Vec<Base>, AssemblyErro
     let bodies = each(resolver, Family::Body, &BODY)?;
     let parent = |(_, fields): &(&str, Fields<'_, '_>)| Ok(fields.base("parent")?.unwrap_or(Base::Ground));
     let parents = bodies.iter().map(parent).collect::<Result<Vec<_>, AssemblyError>>()?;
-    for (index, (name, fields)) in bodies.iter().enumerate() {
-        let mut names = vec![(*name).to_owned()];
-        let mut at = parents[index];
-        while let Base::Body(next) = at {
-            names.push(bodies[next].0.to_owned());
+    for index in 0..bodies.len() {
+        let mut path = vec![index];
+        while let Base::Body(next) = parents[path[path.len() - 1]] {
             if next == index {
-                return Err(fields.error("parent", Fault::Circle { names }));
+                let circle = path.iter().map(|body| &bodies[*body].1);
+                return Fields::circle(circle, "parent").map_or(Ok(parents), Err);
             }
             // A cycle that this body only leads to is reported for its own bodies.
-            if names.len() > parents.len() {
+            if path.len() > parents.len() {
                 break;
             }
-            at = parents[next];
+            path.push(next);
         }
     }
     Ok(parents)

@@ -240,12 +240,7 @@ impl Sum<'_, '_> {
         let read = |family: Family, index: usize| self.channel(channel(family, index, Quantity::Force), state);
         let mut force = 0.0;
         for face in &a.faces {
-            let (family, index) = match face.gas {
-                Space::Volume(index) => (Family::Volume, index),
-                Space::Reservoir(index) => (Family::Reservoir, index),
-            };
-            let pressure = self.channel(channel(family, index, Quantity::Pressure), state);
-            force += share(face.body, face.against) * face.push.sign() * face.area * pressure;
+            force += share(face.body, face.against) * face.push.sign() * face.area * self.pressure(face.gas, state);
         }
         for (index, block) in a.contacts.iter().enumerate() {
             force -= share(block.on, block.against) * read(Family::Contact, index);
@@ -273,6 +268,14 @@ impl Sum<'_, '_> {
         force
     }
 
+    fn pressure(&self, gas: Space, state: &State) -> f64 {
+        let (family, index) = match gas {
+            Space::Volume(index) => (Family::Volume, index),
+            Space::Reservoir(index) => (Family::Reservoir, index),
+        };
+        self.channel(channel(family, index, Quantity::Pressure), state)
+    }
+
     /// Pressure of the atmosphere \[Pa\].
     fn atmosphere(&self) -> f64 {
         let mut all = self.assembly.reservoirs.iter().enumerate();
@@ -290,6 +293,9 @@ impl Sum<'_, '_> {
                 Quantity::Gauge => reservoir.pressure - self.atmosphere(),
                 _ => reservoir.temperature,
             };
+        }
+        if let (Family::Face, Some(face)) = (block.family, self.assembly.faces.get(block.index)) {
+            return face.area * self.pressure(face.gas, state);
         }
         let read = |quantity: Quantity| state.get(&key(Channel { block, quantity })).copied().unwrap_or(0.0);
         if block.family == Family::Volume && quantity == Quantity::Pressure {

@@ -1,7 +1,7 @@
 //! Checks that volumes can change and do not collapse.
 
 use super::place::{error, error_of, stop};
-use crate::network::assembly::{Assembly, Face, Push, Space, Start, Stop};
+use crate::network::assembly::{Assembly, Face, Space, Start, Stop};
 use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
@@ -27,16 +27,25 @@ pub(super) fn do_not_collapse(resolver: &Resolver<'_>, assembly: &Assembly) -> R
     for (index, volume) in assembly.volumes.iter().enumerate() {
         let mut least = volume.dead;
         let mut worst = (0.0, "", 0.0);
-        for face in assembly
-            .faces
-            .iter()
-            .filter(|face| face.sweeps && face.gas == Space::Volume(index))
-        {
-            let travel = smallest_at(assembly, face);
-            let swept = face.push.sign() * face.area * (travel - face.zero);
+        // Faces of one body move together, such as the two ends of a shuttle.
+        let mut motions: Vec<(&Face, Vec<&Face>)> = Vec::new();
+        let sweeping = assembly.faces.iter().filter(|face| face.sweeps);
+        for face in sweeping.filter(|face| face.gas == Space::Volume(index)) {
+            let same = |own: &&mut (&Face, Vec<&Face>)| own.0.body == face.body && own.0.against == face.against;
+            match motions.iter_mut().find(same) {
+                Some((_, faces)) => faces.push(face),
+                None => motions.push((face, vec![face])),
+            }
+        }
+        for (first, faces) in motions {
+            let travel = smallest_at(assembly, first, &faces);
+            let swept = faces
+                .iter()
+                .map(|face| face.push.sign() * face.area * (travel - face.zero));
+            let swept: f64 = swept.sum();
             least += swept;
             if swept <= worst.0 {
-                worst = (swept, &assembly.bodies[face.body].name, travel);
+                worst = (swept, &assembly.bodies[first.body].name, travel);
             }
         }
         if least <= 0.0 {
@@ -53,12 +62,11 @@ pub(super) fn do_not_collapse(resolver: &Resolver<'_>, assembly: &Assembly) -> R
     Ok(())
 }
 
-/// Travel of a face's body at which the volume is smallest: at the stop or, without one, at the body's start \[m\].
-fn smallest_at(assembly: &Assembly, face: &Face) -> f64 {
-    let side = match face.push {
-        Push::Down => Stop::Above,
-        Push::Up => Stop::Below,
-    };
+/// Travel of a body at which a volume with these faces of it is smallest: at the stop or, without one, at the body's
+/// start \[m\].
+fn smallest_at(assembly: &Assembly, face: &Face, faces: &[&Face]) -> f64 {
+    let growth: f64 = faces.iter().map(|face| face.push.sign() * face.area).sum();
+    let side = if growth > 0.0 { Stop::Above } else { Stop::Below };
     match (
         stop(assembly, face.body, face.against, side),
         assembly.bodies[face.body].start,

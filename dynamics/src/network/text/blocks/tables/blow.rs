@@ -58,7 +58,7 @@ const WOOD: TableSpec = TableSpec::of(
         density("density (that of the law of a wood)").such_as("\"500 kg/m3\""),
         quantity(
             "shear_speed",
-            positive(VELOCITY),
+            positive(VELOCITY).within(10.0, 1e4),
             "\"700 m/s\"",
             "speed of the shear waves that the fastener radiates",
         ),

@@ -1,0 +1,96 @@
+//! Assemblies at the edge of the grammar: without states, with faces that move together, with forces of faces in loads,
+//! with ranges of numbers.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nailnoise_documents::Document;
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Numerics, Record, Resolved, simulate};
+
+const HEAD: &str = r#"[cycle]
+assembly = { name = "own", schema = 1 }
+gas = { constant = "287.05 J/(kg K)", ratio = 1.4 }
+end = "20 ms"
+reservoir.atmosphere = { pressure = "101.325 kPa", temperature = "20 degC" }
+"#;
+
+fn resolved(blocks: &str) -> Result<Resolved, AssemblyError> {
+    let document = Document::new(Path::new("own.toml"), &format!("{HEAD}{blocks}"));
+    AssemblyText::open(&document)?.resolve(&BTreeMap::<String, KeyValue>::new())
+}
+
+fn run(blocks: &str) -> Record {
+    let assembly = resolved(blocks).unwrap_or_else(|error| panic!("{error}")).assembly;
+    let record = simulate(&assembly, &Numerics::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(record.is_certified(), "{:#?}", record.checks);
+    record
+}
+
+/// A shuttle in a plenum that leaks; its two ends are in the same gas.
+const SHUTTLE: &str = r#"volume.plenum = { dead = "5 cm3", pressure = "6 barg" }
+passage.leak = { between = ["plenum", "atmosphere"], area = "1 mm2", silent = true }
+body.shuttle.mass = "50 g"
+face.top = { volume = "plenum", body = "shuttle", push = "down", area = "570 mm2" }
+face.bottom = { volume = "plenum", body = "shuttle", push = "up", area = "570 mm2" }
+contact.a = { on = "shuttle", stop = "above", stiffness = "1 kN/mm", damping_ratio = 0.2 }
+contact.b = { on = "shuttle", stop = "below", at = "24 mm", stiffness = "1 kN/mm", damping_ratio = 0.2 }
+force.push = { on = "shuttle", force = "20 N" }
+"#;
+
+#[test]
+fn an_assembly_without_states_runs_to_its_end() {
+    run("");
+    run(
+        "reservoir.hose = { pressure = \"6 barg\", temperature = \"20 degC\" }\n\
+         passage.tip = { between = [\"hose\", \"atmosphere\"], area = \"3 mm2\" }\nopening.tip.passage = \"tip\"\n",
+    );
+}
+
+/// Its ends sweep 13.7 cm3 each, more than the volume of 5 cm3, but their sum is zero.
+#[test]
+fn faces_of_one_body_sweep_a_volume_together() {
+    run(SHUTTLE);
+    let one = SHUTTLE.replace("face.top", "# face.top").replace(
+        "body.shuttle.mass = \"50 g\"",
+        "body.shuttle = { mass = \"50 g\", unbalanced = true }",
+    );
+    let error = resolved(&one).unwrap_err();
+    assert!(error.to_string().contains("shrinks"), "{error}");
+}
+
+#[test]
+fn the_force_of_a_face_is_a_term_of_the_loads() {
+    let piston = SHUTTLE
+        .replace("volume = \"plenum\", body = \"shuttle\", push = \"up\"", "volume = \"atmosphere\", body = \"shuttle\", push = \"up\"")
+        .replace("body.shuttle.mass = \"50 g\"", "body.shuttle = { mass = \"50 g\", parent = \"tool\" }\nbody.tool = { mass = \"1 kg\", start = { rest_on = \"nose\" } }")
+        .replace("on = \"shuttle\", force = \"20 N\"", "on = \"tool\", force = \"2000 N\"")
+        .replace("dead = \"5 cm3\"", "dead = \"25 cm3\"");
+    let loads = |roof: &str| {
+        format!(
+            "{piston}contact.nose = {{ on = \"tool\", stop = \"below\", stiffness = \"1 kN/mm\", damping_ratio = 0.2 }}\n\
+             load.tool = {{ roof = \"{roof}\", rest = \"b.force + bottom.force - nose.force + push.force\" }}\n"
+        )
+    };
+    assert!(
+        resolved(&loads("a.force - top.force")).is_ok(),
+        "{:?}",
+        resolved(&loads("a.force - top.force")).err()
+    );
+    let error = resolved(&loads("a.force - 2*top.force")).unwrap_err();
+    assert!(error.to_string().contains("plenum.gauge"), "{error}");
+}
+
+#[test]
+fn a_number_lies_within_its_range_and_the_range_within_the_domain() {
+    let dead = |range: &str| {
+        SHUTTLE.replace(
+            "dead = \"5 cm3\"",
+            &format!("dead = {{ value = \"5 cm3\", range = \"{range}\" }}"),
+        )
+    };
+    assert!(resolved(&dead("4 .. 6 cm3")).is_ok());
+    for range in ["6 .. 8 cm3", "-4 .. 6 cm3"] {
+        let error = resolved(&dead(range)).unwrap_err();
+        assert!(error.path == "cycle.volume.plenum.dead", "{error}");
+    }
+}
