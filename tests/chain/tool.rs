@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
 use nailnoise::chain::BodyStages;
-use nailnoise::design::inputs::bodies::geometry;
 use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
 use nailnoise::result::RankedSource;
 use nailnoise::run::Run;

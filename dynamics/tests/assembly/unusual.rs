@@ -60,22 +60,26 @@ fn faces_of_one_body_sweep_a_volume_together() {
 
 #[test]
 fn the_force_of_a_face_is_a_term_of_the_loads() {
+    let shaft = "body.shuttle = { mass = \"50 g\", parent = \"tool\" }\n\
+                 body.tool = { mass = \"1 kg\", start = { rest_on = \"nose\" } }";
     let piston = SHUTTLE
-        .replace("volume = \"plenum\", body = \"shuttle\", push = \"up\"", "volume = \"atmosphere\", body = \"shuttle\", push = \"up\"")
-        .replace("body.shuttle.mass = \"50 g\"", "body.shuttle = { mass = \"50 g\", parent = \"tool\" }\nbody.tool = { mass = \"1 kg\", start = { rest_on = \"nose\" } }")
-        .replace("on = \"shuttle\", force = \"20 N\"", "on = \"tool\", force = \"2000 N\"")
-        .replace("dead = \"5 cm3\"", "dead = \"25 cm3\"");
-    let loads = |roof: &str| {
-        format!(
-            "{piston}contact.nose = {{ on = \"tool\", stop = \"below\", stiffness = \"1 kN/mm\", damping_ratio = 0.2 }}\n\
-             load.tool = {{ roof = \"{roof}\", rest = \"b.force + bottom.force - nose.force + push.force\" }}\n"
+        .replace(
+            "face.bottom = { volume = \"plenum\"",
+            "face.bottom = { volume = \"atmosphere\"",
         )
+        .replace("body.shuttle.mass = \"50 g\"", shaft)
+        .replace(
+            "on = \"shuttle\", force = \"20 N\"",
+            "on = \"tool\", force = \"2000 N\"",
+        )
+        .replace("dead = \"5 cm3\"", "dead = \"25 cm3\"");
+    let nose = "on = \"tool\", stop = \"below\", stiffness = \"1 kN/mm\", damping_ratio = 0.2";
+    let rest = "b.force + bottom.force - nose.force + push.force";
+    let loads = |roof: &str| {
+        format!("{piston}contact.nose = {{ {nose} }}\nload.tool = {{ roof = \"{roof}\", rest = \"{rest}\" }}\n")
     };
-    assert!(
-        resolved(&loads("a.force - top.force")).is_ok(),
-        "{:?}",
-        resolved(&loads("a.force - top.force")).err()
-    );
+    let right = resolved(&loads("a.force - top.force")).err();
+    assert!(right.is_none(), "{right:?}");
     let error = resolved(&loads("a.force - 2*top.force")).unwrap_err();
     assert!(error.to_string().contains("plenum.gauge"), "{error}");
 }
