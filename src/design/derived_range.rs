@@ -149,8 +149,11 @@ impl MergedDerived {
                 .collect();
             // Values in the files of the chain have the kinds of their keys.
             let _ = base.set(&primaries);
+            if let Some((value, _)) = &draft.given.value {
+                // As in the design, a number of holes is rounded.
+                let _ = base.set(&[(draft.solution.change, Value::Number(value.si))]);
+            }
             let [own, base] = [values, &base].map(|values| (derived.value)(values));
-            let base = draft.given.value.as_ref().map_or(base, |(value, _)| value.si);
             let range = draft.range.of(base, ambient);
             let [low, high] = range.map(|end| show(end, derived.dimension));
             if range[0] > range[1] {
