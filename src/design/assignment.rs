@@ -72,9 +72,9 @@ impl Assignment {
     }
 
     /// The assignment as a line of a design file. There, a derived quantity names the quantity that follows from it.
-    pub(crate) fn in_file(&self) -> String {
+    pub(crate) fn file_line(&self) -> String {
         match self.line.split_once(" = ") {
-            Some((key, value)) if !value.starts_with('{') => match Solution::usual(key) {
+            Some((key, value)) if !value.starts_with('{') => match Solution::default_for(key) {
                 Some(solution) => format!("{key} = {{ value = {value}, follows = \"{}\" }}", solution.follower),
                 None => self.line.clone(),
             },

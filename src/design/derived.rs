@@ -76,7 +76,7 @@ pub(super) const SOLUTIONS: &[Solution] = &[
 
 impl Solution {
     /// The default solution for a derived quantity, if another quantity can follow from it.
-    pub(super) fn usual(key: &str) -> Option<&'static Self> {
+    pub(super) fn default_for(key: &str) -> Option<&'static Self> {
         SOLUTIONS.iter().find(|own| own.key == key)
     }
 

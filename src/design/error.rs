@@ -603,7 +603,7 @@ impl Problem {
                     .last()
                     .and_then(|(key, _)| key.rsplit('.').next())
                     .unwrap_or_default();
-                let follows = if Solution::usual(key).is_some() {
+                let follows = if Solution::default_for(key).is_some() {
                     format!("; or give `{key}` as {{ value = ..., follows = \"{last}\" }}")
                 } else {
                     String::new()

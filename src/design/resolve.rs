@@ -10,11 +10,12 @@ use super::assembly::{self, AssemblyKeys};
 use super::catalogue::Names;
 use super::derived::{AGREEMENT, Derived};
 use super::derived_range::{DerivedRange, MergedDerived};
+use super::derived_value::MergedDerivedValues;
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem, Warning};
 use super::groups::Values;
 use super::merged::Merged;
-use super::optional;
+use super::optional_keys;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, RangeOrigin, Ranged, includes, inherited};
 use super::recorded_surfaces::RecordedSurfaceProblem;
@@ -23,7 +24,6 @@ use super::report::ReportSettings;
 use super::sensors::SensorProblem;
 use super::settings::{Given, Layer, Setting};
 use super::show::show;
-use super::solved::SolvedValues;
 use super::source::File;
 use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
@@ -89,9 +89,9 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         report.read(file, &table)?;
     }
     let mut derived = MergedDerived::default();
-    let mut solved = SolvedValues::default();
-    let (names, agreeing) = merge_layers(&mut merged, (&mut derived, &mut solved), layers)?;
-    optional::add_to(&mut merged);
+    let mut derived_values = MergedDerivedValues::default();
+    let (names, agreeing) = merge_layers(&mut merged, (&mut derived, &mut derived_values), layers)?;
+    optional_keys::add_missing(&mut merged);
     let default = study::default_range(&studies);
     let has_workpiece = merged
         .get("workpiece.length")
@@ -122,12 +122,12 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         .collect();
     let mut values =
         Values::build("", &found).map_err(|key| missing_key((key, false), 1, "a value".to_owned(), chain))?;
-    solved.apply(&mut values, |followed| {
-        if let Some(record) = records.get_mut(followed.follower) {
-            record.value = followed.value;
+    derived_values.apply(&mut values, |dependent| {
+        if let Some(record) = records.get_mut(dependent.follower) {
+            record.value = dependent.value;
             record.provenance = Provenance::Design;
-            record.source = format!("follows from `{}`", followed.from);
-            (record.place, record.depth) = (followed.at, followed.depth);
+            record.source = format!("follows from `{}`", dependent.from);
+            (record.place, record.depth) = (dependent.at, dependent.depth);
         }
     })?;
     // With an assembly the keys that it uses are known later.
@@ -164,7 +164,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
 /// of the command line count as one file: a key wins over a name regardless of their order.
 fn merge_layers(
     merged: &mut HashMap<String, Merged>,
-    (derived, solved): (&mut MergedDerived, &mut SolvedValues),
+    (derived, derived_values): (&mut MergedDerived, &mut MergedDerivedValues),
     layers: Vec<(usize, bool, Layer)>,
 ) -> Result<(Names, Vec<Agreeing>), DesignError> {
     let (on_command_line, in_files): (Vec<_>, Vec<_>) =
@@ -184,7 +184,7 @@ fn merge_layers(
         ranged.iter().for_each(|key| derived.drop_of_follower(key));
         let valued = all.iter().filter(|setting| setting.value.is_some());
         let valued: Vec<String> = valued.map(|setting| setting.key.clone()).collect();
-        solved.drop_of_followers(&valued);
+        derived_values.drop_of_followers(&valued);
         let mut of_file = Vec::new();
         for (depth, is_command_line, layer) in file {
             for setting in layer.settings {
@@ -194,7 +194,7 @@ fn merge_layers(
             of_file.extend(layer.derived.into_iter().map(|given| (here, given)));
         }
         for (here, mut given) in of_file {
-            if solved.take(&given, here, &valued)? {
+            if derived_values.take(&given, here, &valued)? {
                 agreeing.retain(|own: &Agreeing| own.derived.key != given.derived.key);
             } else if let Some((value, at)) = given.value.take() {
                 agreeing.push(Agreeing {

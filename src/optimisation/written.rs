@@ -40,7 +40,7 @@ pub fn design_over(
                 let file = toml::Value::String(relative(folder, Path::new(file)));
                 text.push_str(&format!("{} = {file}\n", assignment.key()));
             }
-            _ => text.push_str(&format!("{}\n", assignment.in_file())),
+            _ => text.push_str(&format!("{}\n", assignment.file_line())),
         }
     }
     Ok(text)

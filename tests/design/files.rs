@@ -483,7 +483,7 @@ fn a_primary_quantity_follows_from_a_derived_one_where_the_design_says_so() {
     let ranged = changed("exhaust.area = { value = \"300 mm2\", range = \"200 .. 400 mm2\", follows = \"holes\" }");
     assert_eq!(ranged.exhaust.holes, 11);
     assert_near(ranged.drawn_derived().next().unwrap().0.range, [2e-4, 4e-4]);
-    // On the command line, the value alone is enough, and a closer value of the follower wins.
+    // On the command line, the value alone is sufficient. A value of the follower in the same place must agree with it.
     let with = |sets: &[&str]| {
         let sets: Vec<Assignment> = sets.iter().map(|set| set.parse().unwrap()).collect();
         Design::load_with(BASE, &sets)

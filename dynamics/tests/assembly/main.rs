@@ -5,6 +5,7 @@ mod common;
 #[path = "../common/random_assembly.rs"]
 mod random_assembly;
 
+mod edge_cases;
 mod errors;
 mod inheritance;
 mod keys;
@@ -13,4 +14,3 @@ mod random;
 mod runs;
 mod shipped;
 mod unused;
-mod unusual;

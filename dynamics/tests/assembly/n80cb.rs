@@ -114,7 +114,7 @@ fn stiffnesses_and_dashpots_are_those_of_the_contacts() {
 #[test]
 fn passages_have_their_areas_coefficients_and_delays() {
     let mut p = common::n80cb();
-    // Coefficients of their own, except for the leak's, which is the common one.
+    // All passages but the leak have their own coefficients.
     (p.chambers.check_hole_coefficient, p.chambers.return_hole_coefficient) = (0.61, 0.62);
     (p.chambers.leak_coefficient, p.supply.hose_coefficient) = (0.0, 0.63);
     let (a, g) = (assembly(&p), Geometry::new(&p));

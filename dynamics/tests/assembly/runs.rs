@@ -6,7 +6,7 @@ use std::path::Path;
 use nailnoise_documents::Document;
 use nailnoise_dynamics::network::{AssemblyText, KeyValue, Numerics, PlacedError, RunError, simulate};
 
-const HEAD: &str = r#"[cycle]
+pub(crate) const HEAD: &str = r#"[cycle]
 assembly = { name = "own", schema = 1 }
 gas = { constant = "287.05 J/(kg K)", ratio = 1.4 }
 end = "100 ms"

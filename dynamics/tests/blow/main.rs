@@ -254,7 +254,7 @@ fn third_octave(force: &[f64], interval: f64, centre: f64) -> f64 {
 }
 
 /// Changes of the force on the wood \[dB\] between these numbers of elements, in third octaves from 1 kHz on.
-fn change(elements: [usize; 2], bands: &[f64]) -> Vec<f64> {
+fn level_change(elements: [usize; 2], bands: &[f64]) -> Vec<f64> {
     let input = base_input();
     let [one, other] = elements.map(|elements| {
         let input = BlowInput {
@@ -275,7 +275,7 @@ fn change(elements: [usize; 2], bands: &[f64]) -> Vec<f64> {
 fn third_octaves_of_the_force_on_the_wood_converge_up_to_3_khz() {
     let bands = [1000.0, 1250.0, 1600.0, 2000.0, 2500.0, 3150.0];
     for elements in [[64, 128], [128, 256]] {
-        let changes = change(elements, &bands);
+        let changes = level_change(elements, &bands);
         assert!(
             changes.iter().all(|change| change.abs() < 1.0),
             "{elements:?}: {changes:.1?} dB in {bands:?} Hz"

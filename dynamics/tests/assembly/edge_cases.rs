@@ -7,12 +7,7 @@ use std::path::Path;
 use nailnoise_documents::Document;
 use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Numerics, Record, Resolved, simulate};
 
-const HEAD: &str = r#"[cycle]
-assembly = { name = "own", schema = 1 }
-gas = { constant = "287.05 J/(kg K)", ratio = 1.4 }
-end = "20 ms"
-reservoir.atmosphere = { pressure = "101.325 kPa", temperature = "20 degC" }
-"#;
+use crate::runs::HEAD;
 
 fn resolved(blocks: &str) -> Result<Resolved, AssemblyError> {
     let document = Document::new(Path::new("own.toml"), &format!("{HEAD}{blocks}"));

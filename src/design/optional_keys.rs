@@ -27,7 +27,7 @@ const ZERO: [&str; 4] = [
 const COMMON: &str = "chambers.discharge_coefficient";
 
 /// Adds those of these keys to which no file gives a value.
-pub(super) fn add_to(merged: &mut HashMap<String, Merged>) {
+pub(super) fn add_missing(merged: &mut HashMap<String, Merged>) {
     let zeros = ZERO.map(|key| (key, COMMON));
     for (key, other) in SAME.into_iter().chain(zeros) {
         let given = merged.get(key).is_some_and(|merged| merged.value.is_some());
@@ -38,8 +38,9 @@ pub(super) fn add_to(merged: &mut HashMap<String, Merged>) {
         added.spec = spec(key).unwrap_or(added.spec);
         if ZERO.contains(&key) {
             added.forget_range();
-            if let Some((value, ..)) = &mut added.value {
+            if let Some((value, text, _)) = &mut added.value {
                 *value = Given::Quantity(Measured { si: 0.0, gauge: false });
+                "0".clone_into(text);
             }
         }
         merged.insert(key.to_owned(), added);

@@ -19,7 +19,7 @@ use nailnoise_documents::Place;
 
 /// A value from which a primary quantity follows.
 #[derive(Debug)]
-struct Solved {
+struct DerivedValue {
     derived: &'static Derived,
     solution: &'static Solution,
     value: Measured,
@@ -28,7 +28,7 @@ struct Solved {
 }
 
 /// A primary quantity that follows from the value of a derived one.
-pub(super) struct Followed {
+pub(super) struct Dependent {
     /// Its full name.
     pub(super) follower: &'static str,
     pub(super) value: Value,
@@ -39,13 +39,13 @@ pub(super) struct Followed {
     pub(super) depth: usize,
 }
 
-/// Those given so far by the files.
+/// Values of derived quantities given so far by the files.
 #[derive(Debug, Default)]
-pub(super) struct SolvedValues {
-    found: Vec<Solved>,
+pub(super) struct MergedDerivedValues {
+    found: Vec<DerivedValue>,
 }
 
-impl SolvedValues {
+impl MergedDerivedValues {
     /// Removes the values whose followers are among the keys to which a file gives values.
     pub(super) fn drop_of_followers(&mut self, keys: &[String]) {
         self.found
@@ -66,7 +66,7 @@ impl SolvedValues {
         let Some((value, at)) = &given.value else {
             return Ok(false);
         };
-        if given.follows.is_none() && (!is_command_line || Solution::usual(given.derived.key).is_none()) {
+        if given.follows.is_none() && (!is_command_line || Solution::default_for(given.derived.key).is_none()) {
             return Ok(false);
         }
         let solution = given.solution("a value that another quantity follows", at)?;
@@ -74,7 +74,7 @@ impl SolvedValues {
             return Ok(false);
         }
         self.found.retain(|own| own.derived.key != given.derived.key);
-        self.found.push(Solved {
+        self.found.push(DerivedValue {
             derived: given.derived,
             solution,
             value: *value,
@@ -88,7 +88,7 @@ impl SolvedValues {
     ///
     /// # Errors
     /// If one of them would be outside its limits.
-    pub(super) fn apply(self, values: &mut Values, mut record: impl FnMut(Followed)) -> Result<(), DesignError> {
+    pub(super) fn apply(self, values: &mut Values, mut record: impl FnMut(Dependent)) -> Result<(), DesignError> {
         for own in self.found {
             let (key, follower) = (own.derived.key, own.solution.follower);
             let change = (own.solution.change, Value::Number(own.value.si));
@@ -103,7 +103,7 @@ impl SolvedValues {
             values.visit("", &mut |path, _, value| {
                 if path == follower {
                     let (at, depth) = (own.at.clone(), own.depth);
-                    record(Followed {
+                    record(Dependent {
                         follower,
                         value,
                         from: key,
