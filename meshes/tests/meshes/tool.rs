@@ -52,7 +52,8 @@ fn the_parts_of_the_shipped_mesh_have_their_volumes() {
     let mesh = &SHIPPED.mesh;
     assert_eq!(mesh.part_names, ["cap", "housing", "nose", "sleeve"]);
     let volumes = mesh.part_volumes().unwrap();
-    // Closed on both sides, with walls of 2.65 mm. Quadratic sides lie on the cylinders within a few parts in a thousand.
+    // Closed on both sides, with walls of 2.65 mm. Quadratic sides lie on the cylinders within a few parts in a
+    // thousand.
     let cap = PI * (46.0_f64.powi(2) * 45.0 - 43.35_f64.powi(2) * 39.7) * MM.powi(3);
     close(volumes[0], cap, 5e-3);
     let nose = (20.0 * 30.0 - 8.0 * 18.0) * 112.0 * MM.powi(3);
