@@ -78,12 +78,15 @@ pub enum CycleError {
         /// Length of the rod beyond the nose's face at the end of the stroke \[m\].
         protrusion: f64,
     },
-    /// The nail is longer than the block is thick.
-    #[error("nail.length {length} m exceeds workpiece.thickness {thickness} m; use a shorter nail or a thicker block")]
+    /// The nail is longer than the block is thick below its groove.
+    #[error(
+        "nail.length {length} m exceeds workpiece.thickness less workpiece.groove, {thickness} m; use a shorter nail \
+         or a thicker block"
+    )]
     NailLongerThanBlock {
         /// l_n \[m\].
         length: f64,
-        /// Block thickness \[m\].
+        /// Thickness of the block below its groove \[m\].
         thickness: f64,
     },
     /// The tabulated penetration law ends before the nail does.

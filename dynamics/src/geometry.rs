@@ -188,6 +188,14 @@ impl Support {
             SupportDamping::Coefficient(c) => c,
         }
     }
+
+    /// zeta_ws, damping ratio of the support under a block with this mass \[kg\] \[-\].
+    pub fn damping_ratio(&self, mass: f64) -> f64 {
+        match self.damping {
+            SupportDamping::Ratio(zeta) => zeta,
+            SupportDamping::Coefficient(c) => c / (2.0 * (self.stiffness * mass).sqrt()),
+        }
+    }
 }
 
 /// P_cr = (2/(gamma+1))^(gamma/(gamma-1)), critical pressure ratio of the ideal nozzle \[-\], for the ratio gamma of

@@ -73,6 +73,25 @@ impl Kind {
         }
     }
 
+    /// The same quantity, which may also be given relative to the ambient pressure if it is a pressure.
+    #[must_use]
+    pub fn or_gauge(self) -> Self {
+        match self {
+            Self::Quantity {
+                dimension: PRESSURE,
+                sign,
+                within,
+                ..
+            } => Self::Quantity {
+                dimension: PRESSURE,
+                sign,
+                within,
+                gauge: true,
+            },
+            kind => kind,
+        }
+    }
+
     /// Smallest and largest value that the program can handle for this kind, in SI units. This hard domain applies to
     /// every design, unlike the plausible range given in a design. None unless the value is a quantity or a count.
     pub fn domain(self) -> Option<[f64; 2]> {

@@ -210,8 +210,8 @@ pub(crate) fn loads_housing(text: &AssemblyText) -> bool {
     AXIAL_SURFACES.iter().all(|own| surfaces.contains(own))
 }
 
-/// Values of all keys of a design and of the literals that were set, with `support.stiffness` and `support.damping` set
-/// to those of the chosen support.
+/// Values of all keys of a design and of the literals that were set, with `support.stiffness`, `support.damping` and
+/// `support.damping_ratio` set to those of the chosen support.
 pub(super) fn keys<'k>(
     values: &Values,
     literals: impl Iterator<Item = (&'k str, f64, Dimension)>,
@@ -221,10 +221,11 @@ pub(super) fn keys<'k>(
         keys.insert(path.to_owned(), KeyValue::of(spec, &value));
     });
     let support = supports::of(values).lumped()?;
-    let damping = support.dashpot(values.workpiece.block.mass(values.wood.density));
+    let mass = values.workpiece.block.mass(values.wood.density);
     for (path, si, dimension) in [
         ("support.stiffness", support.stiffness, STIFFNESS),
-        ("support.damping", damping, DAMPING),
+        ("support.damping", support.dashpot(mass), DAMPING),
+        ("support.damping_ratio", support.damping_ratio(mass), NUMBER),
     ] {
         keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
     }

@@ -54,9 +54,14 @@ fn blow(v: &Values) -> Result<(), Conflict> {
 }
 
 fn nail(v: &Values) -> Result<(), Conflict> {
-    let (length, thickness) = (v.nail.length, v.workpiece.thickness);
+    let (length, thickness, groove) = (v.nail.length, v.workpiece.thickness, v.workpiece.groove);
     let nail = ("nail.length", length);
-    refuse(length > thickness, Conflict::NailLongerThanBlock { length, thickness })?;
+    let longer = Conflict::NailLongerThanBlock {
+        length,
+        thickness,
+        groove,
+    };
+    refuse(length > thickness - groove, longer)?;
     let board = v.workpiece.board.thickness;
     if board > 0.0 {
         refuse(!v.workpiece.mesh.is_empty(), Conflict::BoardOnMesh)?;

@@ -13,12 +13,19 @@ pub(super) const SPRING_LIMIT: f64 = 5e-3;
 #[non_exhaustive]
 pub enum Conflict {
     /// The nail would protrude below the block.
-    #[error("the nail ({}) is longer than the block is thick ({})", mm(*length), mm(*thickness))]
+    #[error(
+        "the nail ({}) is longer than the block is thick{} ({})",
+        mm(*length),
+        if *groove > 0.0 { " below its groove" } else { "" },
+        mm(*thickness - *groove)
+    )]
     NailLongerThanBlock {
         /// Length of the nail \[m\].
         length: f64,
         /// Thickness of the block \[m\].
         thickness: f64,
+        /// Depth of the groove \[m\].
+        groove: f64,
     },
     /// A board requires the built-in block.
     #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
@@ -260,6 +267,9 @@ impl Conflict {
     /// The keys in conflict.
     pub fn keys(&self) -> Vec<&'static str> {
         match self {
+            Self::NailLongerThanBlock { groove, .. } if *groove > 0.0 => {
+                vec!["nail.length", "workpiece.groove", "workpiece.thickness"]
+            }
             Self::NailLongerThanBlock { .. } => vec!["nail.length", "workpiece.thickness"],
             Self::ElasticTwoWay => vec!["model.blow", "support.coupling"],
             Self::BoardOnMesh => vec!["workpiece.board.thickness", "workpiece.mesh"],
@@ -307,6 +317,9 @@ impl Conflict {
     /// The remedy.
     pub fn remedy(&self) -> String {
         match self {
+            Self::NailLongerThanBlock { groove, .. } if *groove > 0.0 => "shorten `nail.length`, lower \
+                `workpiece.groove` or raise `workpiece.thickness`: the point must stay in the wood"
+                .to_owned(),
             Self::NailLongerThanBlock { .. } => {
                 "shorten `nail.length` or raise `workpiece.thickness`: the point must stay in the wood".to_owned()
             }

@@ -93,3 +93,62 @@ fn a_number_lies_within_its_range_and_the_range_within_the_domain() {
         assert!(error.path == "cycle.volume.plenum.dead", "{error}");
     }
 }
+
+/// A contact that the other body has is the same stop: the volume above the shuttle would vanish without it.
+#[test]
+fn a_stop_may_be_given_by_either_of_its_bodies() {
+    let tool = "body.tool = { mass = \"1 kg\", start = { travel = \"0 mm\" } }\n";
+    let parent = SHUTTLE
+        .replace(
+            "body.shuttle.mass = \"50 g\"",
+            "body.shuttle = { mass = \"50 g\", parent = \"tool\" }",
+        )
+        .replace(
+            "face.bottom = { volume = \"plenum\"",
+            "face.bottom = { volume = \"atmosphere\"",
+        )
+        .replace("dead = \"5 cm3\"", "dead = \"1 cm3\"")
+        .replace("area = \"570 mm2\" }", "area = \"570 mm2\", zero = \"-3 mm\" }");
+    let reversed = parent.replace(
+        "contact.a = { on = \"shuttle\", stop = \"above\",",
+        "contact.a = { on = \"tool\", against = \"shuttle\", stop = \"below\", at = \"2 mm\",",
+    );
+    let without = parent.replace("contact.a", "# contact.a");
+    assert!(
+        resolved(&format!("{tool}{reversed}")).is_ok(),
+        "{:?}",
+        resolved(&format!("{tool}{reversed}")).err()
+    );
+    let far = reversed.replace("at = \"2 mm\"", "at = \"9 mm\"");
+    let error = resolved(&format!("{tool}{far}")).unwrap_err();
+    assert!(
+        error.to_string().contains("shrinks") && error.to_string().contains("-9.000 mm"),
+        "{error}"
+    );
+    assert!(resolved(&format!("{tool}{without}")).is_ok());
+}
+
+#[test]
+fn pressures_of_own_keys_and_names_may_be_relative_to_the_atmosphere() {
+    let own = SHUTTLE.replace("pressure = \"6 barg\"", "pressure = \"=own.fill + rise\"");
+    let text = format!(
+        "{own}let.rise = \"1 barg\"\n[keys.own]\nfill = {{ domain = \"1 .. 10 bar\" }}\n[own]\nfill = \"5 barg\"\n"
+    );
+    let assembly = resolved(&text).unwrap_or_else(|error| panic!("{error}")).assembly;
+    let ambient = assembly.reservoirs[0].pressure;
+    assert!(
+        (assembly.volumes[0].pressure - (6e5 + 2.0 * ambient)).abs() < 1e-6,
+        "{}",
+        assembly.volumes[0].pressure
+    );
+}
+
+/// "pi" is a constant of formulas: an own value would have no effect.
+#[test]
+fn a_name_with_a_meaning_in_formulas_is_refused() {
+    let error = resolved("let.pi = 3\n").unwrap_err();
+    assert!(
+        error.path == "cycle.let.pi" && error.help().contains("choose another name"),
+        "{error}"
+    );
+}

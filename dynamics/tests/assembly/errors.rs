@@ -9,19 +9,19 @@ use crate::common;
 use crate::keys::keys;
 
 /// Reads the N80CB with changes.
-fn changed(changes: &str) -> Result<Resolved, AssemblyError> {
+pub(crate) fn changed(changes: &str) -> Result<Resolved, AssemblyError> {
     let text = format!("[cycle]\nassembly = \"n80cb\"\n{changes}\n");
     let document = Document::new(Path::new("own.toml"), &text);
     AssemblyText::open(&document)?.resolve(&keys(&common::n80cb()))
 }
 
 /// The error of a change, with its place and remedy in one text.
-fn refusal(changes: &str) -> (String, AssemblyError) {
+pub(crate) fn refusal(changes: &str) -> (String, AssemblyError) {
     let error = changed(changes).err().unwrap_or_else(|| panic!("accepted: {changes}"));
     (format!("{error}; {}", error.help()), error)
 }
 
-fn refused(cases: &[(&str, &[&str])]) {
+pub(crate) fn refused(cases: &[(&str, &[&str])]) {
     for (changes, expected) in cases {
         let (message, _) = refusal(changes);
         for part in *expected {
@@ -368,70 +368,4 @@ fn what_is_no_file_or_no_toml_is_refused() {
         let error = open(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
         assert!(error.to_string().contains(part), "{text}: {error}");
     }
-}
-
-#[test]
-fn a_circle_is_placed_in_the_file_that_closes_it() {
-    for (changes, path) in [
-        ("[cycle.body.tool]\nparent = \"piston\"", "cycle.body.tool.parent"),
-        ("[cycle.event.t6]\nafter = \"t9\"", "cycle.event.t6.after"),
-    ] {
-        let (message, error) = refusal(changes);
-        assert_eq!((error.at.file(), error.at.line()), ("own.toml", 4), "{message}");
-        assert_eq!(error.path, path);
-    }
-}
-
-/// The place of a fault between blocks of the assembly is the block there, and the message names the user's field.
-#[test]
-fn a_fault_that_an_override_causes_names_the_override() {
-    for (changes, place, change) in [
-        (
-            "[cycle.contact.bumper]\nat = \"130 mm\"",
-            "`cycle.volume.below_piston` shrinks",
-            "; changed at own.toml, line 4, by `cycle.contact.bumper.at`",
-        ),
-        (
-            "[cycle.volume.below_piston]\n\ndead = \"1 mm3\"\n[cycle.contact.bumper]\nstiffness = \"900 N/mm\"\nat = \
-             \"=piston.stroke + 1 mm\"",
-            "`cycle.volume.below_piston` shrinks",
-            "; changed at own.toml, line 5, by `cycle.volume.below_piston.dead` and at own.toml, line 8, by \
-             `cycle.contact.bumper.at`",
-        ),
-        (
-            "[cycle.spring.spring]\npreload = \"0.5 mm\"",
-            "`cycle.spring.spring` is compressed",
-            "; changed at own.toml, line 4, by `cycle.spring.spring.preload`",
-        ),
-        (
-            "[cycle.passage.intake.seat]\nat = \"=head_valve.lift - 1 mm\"",
-            "`cycle.passage.intake` and \"exhaust\" are open together",
-            "; changed at own.toml, line 4, by `cycle.passage.intake.seat.at`",
-        ),
-        (
-            "[cycle.face]\nextra = { volume = \"below_piston\", body = \"piston\", push = \"up\", area = \"5 cm2\" }\n\
-             back = { volume = \"atmosphere\", body = \"piston\", push = \"down\", area = \"5 cm2\" }",
-            "`cycle.volume.below_piston` shrinks",
-            "; changed at own.toml, line 4, by `cycle.face.extra`",
-        ),
-    ] {
-        let (message, error) = refusal(changes);
-        assert_eq!(error.at.file(), "assemblies/n80cb.toml", "{message}");
-        assert!(error.at.line() > 1, "{message}");
-        assert!(message.contains(place) && message.contains(change), "{message}");
-    }
-}
-
-/// A key that the closest file gives, and which a formula of the assembly reads, is named like a field.
-#[test]
-fn a_fault_that_a_key_causes_names_the_key() {
-    let text = "[head_valve]\nspring_preload = \"4 mm\"\n[cycle]\nassembly = \"n80cb\"\n";
-    let document = Document::new(Path::new("own.toml"), text);
-    let mut values = keys(&common::n80cb());
-    values.remove("head_valve.spring_preload");
-    let error = AssemblyText::open(&document)
-        .and_then(|text| text.resolve(&values))
-        .expect_err("accepted");
-    let expected = "; changed at own.toml, line 2, by `head_valve.spring_preload`";
-    assert!(error.to_string().contains(expected), "{error}");
 }

@@ -37,11 +37,11 @@ pub(crate) fn first_seed() -> u64 {
     given.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-/// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds with their options,
+/// The text of a random assembly: volumes (in one of six texts none), bodies with balanced faces, passages of all kinds with their options,
 /// contacts, springs, friction, a trigger and events; formulas over a key; blocks that an `if` switches; a fastener
 /// with a blow.
 pub(crate) fn random_assembly(random: &mut Random) -> String {
-    let (volumes, bodies) = (1 + random.below(5), random.below(4));
+    let (volumes, bodies) = (random.below(6), random.below(4));
     let mut text = String::from(
         "[cycle]\nassembly = { name = \"random\", schema = 1 }\ngas = { constant = \"287.05 J/(kg K)\", ratio = 1.4 }\n\
          end = \"20 ms\"\n[cycle.let]\nPa = \"101.325 kPa\"\nbore = \"20 mm\"\n\
@@ -73,13 +73,20 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
         }
         let stroke = random.between(5.0, 80.0);
         let area = random.between(50.0, 900.0);
-        let volume = random.below(volumes);
+        if volumes > 0 {
+            let volume = random.below(volumes);
+            line(
+                &format!(
+                    "[cycle.face.top{body}]\nvolume = \"v{volume}\"\nbody = \"b{body}\"\npush = \"down\"\n\
+                     area = \"{area:.3} mm2\"\n[cycle.face.bottom{body}]\nvolume = \"atmosphere\"\n\
+                     body = \"b{body}\"\npush = \"up\"\narea = \"{area:.3} mm2\""
+                ),
+                &mut text,
+            );
+        }
         line(
             &format!(
-                "[cycle.face.top{body}]\nvolume = \"v{volume}\"\nbody = \"b{body}\"\npush = \"down\"\n\
-                 area = \"{area:.3} mm2\"\n[cycle.face.bottom{body}]\nvolume = \"atmosphere\"\nbody = \"b{body}\"\n\
-                 push = \"up\"\narea = \"{area:.3} mm2\"\n\
-                 [cycle.contact.below{body}]\non = \"b{body}\"\nstop = \"below\"\nat = \"{stroke:.3} mm\"\n\
+                "[cycle.contact.below{body}]\non = \"b{body}\"\nstop = \"below\"\nat = \"{stroke:.3} mm\"\n\
                  stiffness = \"1 kN/mm\"\ndamping_ratio = 0.2\n\
                  [cycle.contact.above{body}]\non = \"b{body}\"\nstop = \"above\"\nstiffness = \"1 kN/mm\"\n\
                  damping = \"100 N s/m\""
@@ -159,7 +166,9 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
         }
     }
     text.push_str("[cycle.event]\nt0 = { at = \"0 s\" }\n");
-    let _ = writeln!(text, "empty = {{ becomes = \"v0.pressure < 1.1*Pa\", after = \"t0\" }}");
+    if volumes > 0 {
+        let _ = writeln!(text, "empty = {{ becomes = \"v0.pressure < 1.1*Pa\", after = \"t0\" }}");
+    }
     if bodies > 0 {
         let _ = writeln!(
             text,
@@ -167,20 +176,25 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
         );
         let _ = writeln!(text, "strikes = {{ becomes = \"below0 closes\" }}");
     }
-    text.push_str(&switched_passage(random));
+    let _ = write!(
+        text,
+        "[keys.own]\ncount = {{ domain = \"0 .. 10\", text = \"number of holes\" }}\n[own]\ncount = {}\n",
+        1 + random.below(10)
+    );
+    if volumes > 0 {
+        text.push_str(&switched_passage(random));
+    }
     if bodies > 0 && random.chance(60) {
         text.push_str(&fastener(random));
     }
     text
 }
 
-/// A key, and a passage with options that the key may switch off.
+/// A passage with options that the key may switch off.
 fn switched_passage(random: &mut Random) -> String {
-    let mut text = format!(
-        "[keys.own]\ncount = {{ domain = \"0 .. 10\", text = \"number of holes\" }}\n[own]\ncount = {}\n\
-         [cycle.passage.switched]\nif = \"own.count > 3 and not own.count > 8\"\nbetween = [\"v0\", \"atmosphere\"]\n\
+    let mut text = String::from(
+        "[cycle.passage.switched]\nif = \"own.count > 3 and not own.count > 8\"\nbetween = [\"v0\", \"atmosphere\"]\n\
          silent = true\narea = \"=if(own.count > 5, disc(bore/8), max(2 mm2, disc(own.count*0.2 mm)))\"\n",
-        1 + random.below(10)
     );
     let options = [
         "law = { kind = \"iso6358\", critical_ratio = 0.35 }",

@@ -88,6 +88,22 @@ pub struct Contact {
     pub may_pull: bool,
 }
 
+impl Contact {
+    /// The side and position of the stop that the contact is to the motion of `body` relative to `base` \[m\]; a contact
+    /// that is given the other way around is the same stop, seen from the other side.
+    pub fn limit(&self, body: usize, base: Base) -> Option<(Stop, f64)> {
+        if (self.on, self.against) == (body, base) {
+            return Some((self.stop, self.at));
+        }
+        let opposite = match self.stop {
+            Stop::Below => Stop::Above,
+            Stop::Above => Stop::Below,
+        };
+        let is_reversed = (Base::Body(self.on), self.against) == (base, Base::Body(body));
+        is_reversed.then_some((opposite, -self.at))
+    }
+}
+
 /// Side of the stop, seen from the body that hits it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Stop {

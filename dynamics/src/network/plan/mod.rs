@@ -255,9 +255,12 @@ impl Plan {
     fn check_springs(&self) -> Result<(), RunError> {
         for (spring, described) in self.springs.iter().zip(&self.assembly.springs) {
             let Some(limit) = spring.limit else { continue };
-            for (contact, stop) in self.contacts.iter().zip(&self.assembly.contacts) {
-                let compression = spring.preload - spring.sign * (contact.at - spring.free);
-                if contact.pair == spring.pair && compression > limit * (1.0 + 1e-12) {
+            for stop in &self.assembly.contacts {
+                let Some((_, at)) = stop.limit(described.on, described.against) else {
+                    continue;
+                };
+                let compression = spring.preload - spring.sign * (at - spring.free);
+                if compression > limit * (1.0 + 1e-12) {
                     return Err(RunError::SpringLimit {
                         spring: described.name.clone(),
                         compression,

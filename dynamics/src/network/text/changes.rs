@@ -5,9 +5,10 @@ use nailnoise_documents::Place;
 use super::fault::{Change, Changes};
 use super::formula::{Term, parse};
 use super::layers::AssemblyText;
+use super::named::NamedInTexts;
 use super::names::CHANNELS;
 use super::node::{Entry, Node, Spot, Tree};
-use crate::network::assembly::{Assembly, Base, BlockRef, Contact, Family, Opens, Space};
+use crate::network::assembly::{Assembly, Base, BlockRef, Family, Opens, Space};
 use crate::network::error::RunError;
 
 /// Fields that determine where a body may move.
@@ -70,9 +71,63 @@ impl<'n> Part<'n> {
         parts
     }
 
+    /// What determines the force on a body at rest: its faces with their gas, and what connects it to other bodies.
+    pub(super) fn of_body(assembly: &'n Assembly, index: usize) -> Vec<Self> {
+        let Some(body) = assembly.bodies.get(index) else {
+            return Vec::new();
+        };
+        let is_own = |on: usize, against: Base| on == index || against == Base::Body(index);
+        let mut parts = vec![Self::new(Family::Body, &body.name, &[])];
+        for face in assembly.faces.iter().filter(|face| is_own(face.body, face.against)) {
+            parts.push(Self::new(Family::Face, &face.name, &[]));
+            let (family, gas) = match face.gas {
+                Space::Volume(index) => (Family::Volume, index),
+                Space::Reservoir(index) => (Family::Reservoir, index),
+            };
+            let gas = assembly.name_of(BlockRef { family, index: gas });
+            parts.push(Self::new(family, gas, &["pressure", "temperature"]));
+        }
+        let a = assembly;
+        let contacts = a
+            .contacts
+            .iter()
+            .map(|own| (Family::Contact, &own.name, own.on, own.against));
+        let springs = a
+            .springs
+            .iter()
+            .map(|own| (Family::Spring, &own.name, own.on, own.against));
+        let forces = a
+            .forces
+            .iter()
+            .map(|own| (Family::Force, &own.name, own.on, own.against));
+        let holds = a.holds.iter().map(|own| (Family::Hold, &own.name, own.on, own.against));
+        let motors = a
+            .motors
+            .iter()
+            .map(|own| (Family::Motor, &own.name, own.on, own.against));
+        let all = contacts.chain(springs).chain(forces).chain(holds).chain(motors);
+        let all = all.filter(|(.., on, against)| is_own(*on, *against));
+        parts.extend(all.map(|(family, name, ..)| Self::new(family, name, &[])));
+        parts
+    }
+
+    /// What determines the areas on which gas pushes a body.
+    pub(super) fn of_faces(assembly: &'n Assembly, index: usize) -> Vec<Self> {
+        let body = assembly.bodies.get(index);
+        let body = body.map(|body| Self::new(Family::Body, &body.name, &["unbalanced"]));
+        let faces = assembly.faces.iter().filter(|face| face.body == index);
+        let faces = faces.map(|face| Self::new(Family::Face, &face.name, &["body", "push", "area"]));
+        body.into_iter().chain(faces).collect()
+    }
+
+    /// A block with all its fields.
+    pub(super) fn of_block(family: Family, name: &'n str) -> Vec<Self> {
+        vec![Self::new(family, name, &[])]
+    }
+
     fn stops(assembly: &'n Assembly, on: usize, against: Base) -> impl Iterator<Item = Self> {
-        let of_pair = move |contact: &&Contact| contact.on == on && contact.against == against;
-        let stops = assembly.contacts.iter().filter(of_pair);
+        let contacts = assembly.contacts.iter();
+        let stops = contacts.filter(move |contact| contact.limit(on, against).is_some());
         stops.map(|contact| Self::new(Family::Contact, &contact.name, STOP))
     }
 }
@@ -124,7 +179,11 @@ impl AssemblyText {
             let parts = match error {
                 RunError::Collapse { .. } => Part::of_volume(assembly, block.index),
                 RunError::SpringLimit { .. } => Part::of_spring(assembly, block.index),
-                _ => vec![Part::new(block.family, name, &[])],
+                RunError::NotSeated { ref body, .. } | RunError::NoEquilibrium { ref body, .. } => {
+                    let index = assembly.bodies.iter().position(|own| own.name == *body);
+                    index.map_or_else(Vec::new, |index| Part::of_body(assembly, index))
+                }
+                _ => Part::of_block(block.family, name),
             };
             Some(PlacedBlock {
                 path: format!("cycle.{table}.{name}"),
@@ -135,8 +194,8 @@ impl AssemblyText {
         PlacedError { error, block }
     }
 
-    /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, and keys that
-    /// the closest file gives.
+    /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, keys that the
+    /// closest file gives, and what named a part and is removed.
     pub(super) fn changes(&self, of: &Spot, parts: &[Part<'_>]) -> Changes {
         let mut search = Search {
             text: self,
@@ -156,6 +215,15 @@ impl AssemblyText {
             let fields = entry.node.entries().iter();
             for field in fields.filter(|field| part.fields.is_empty() || part.fields.contains(&field.key.as_str())) {
                 search.field(&format!("{path}.{}", field.key), &field.node);
+            }
+        }
+        for removed in &self.removed {
+            let mut names = NamedInTexts::default();
+            names.add(&removed.node);
+            let own = removed.path.splitn(4, '.').nth(2).unwrap_or_default();
+            let concerns = parts.iter().any(|part| part.name == own || names.has_block(part.name));
+            if search.is_nearer(&removed.spot) && concerns {
+                search.add(removed.path.clone(), &removed.spot);
             }
         }
         Changes(search.found)

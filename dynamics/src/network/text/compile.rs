@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use nailnoise_documents::nearest;
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ANGLE, NUMBER};
 
@@ -17,7 +18,38 @@ pub(super) enum Compiled {
     Truth(bool),
     /// Conditions on the state, all of which must be satisfied.
     Conditions(Vec<Comparison>),
-    Word(String),
+    Word(Word),
+}
+
+/// A word.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Word {
+    pub(super) text: String,
+    /// Words of the branches that no `if` selects.
+    pub(super) unselected: Vec<String>,
+    /// The words that its key may have; none of another word.
+    pub(super) allowed: &'static [&'static str],
+}
+
+impl Word {
+    pub(super) fn new(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            unselected: Vec::new(),
+            allowed: &[],
+        }
+    }
+}
+
+impl Compiled {
+    /// Its kind in words.
+    pub(super) fn kind(&self) -> String {
+        match self {
+            Self::Scalar(_) => "a number".to_owned(),
+            Self::Truth(_) | Self::Conditions(_) => "a condition".to_owned(),
+            Self::Word(word) => format!("the word '{}'", word.text),
+        }
+    }
 }
 
 /// A number, either known or a function of the state.
@@ -69,11 +101,29 @@ impl Trouble {
 pub(super) trait Scope {
     /// The value of a name.
     fn value(&self, name: &str) -> Result<Compiled, Trouble>;
+
+    /// Whether the values that are computed have an effect: not in a branch that an `if` does not select, whose
+    /// numbers need not be finite.
+    fn is_selected(&self) -> bool;
+
+    /// Compiles a branch that an `if` does not select, so that its errors are found; what it reads has no effect.
+    /// `None` if its value depends on that of the `if`.
+    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble>;
 }
+
+/// Compiles a branch of an `if`.
+pub(super) type Branch<'t> = dyn FnMut() -> Result<Compiled, Trouble> + 't;
 
 /// Compiles a term.
 pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Trouble> {
     let scalar = |term: &Term| scalar(term, scope);
+    let finite = |scalar: Scalar| match scalar.number() {
+        Some(number) if !number.is_finite() && scope.is_selected() => Err(Trouble::here(
+            "its value is not finite",
+            "check divisions, roots and powers",
+        )),
+        _ => Ok(Compiled::Scalar(scalar)),
+    };
     Ok(match term {
         Term::Number { si, dimension, bare } => Compiled::Scalar(Scalar {
             value: Expression::Constant(*si),
@@ -81,7 +131,7 @@ pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Troubl
         }),
         Term::Name(name) if name == "pi" => Compiled::Scalar(Scalar::constant(PI, NUMBER)),
         Term::Name(name) => scope.value(name)?,
-        Term::Word(word) => Compiled::Word(word.clone()),
+        Term::Word(word) => Compiled::Word(Word::new(word)),
         Term::Negative(inner) => {
             let inner = scalar(inner)?;
             let value = inner.number().map_or_else(
@@ -93,16 +143,16 @@ pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Troubl
                 dimension: inner.dimension,
             })
         }
-        Term::Binary(operation, left, right) => Compiled::Scalar(binary(*operation, scalar(left)?, scalar(right)?)?),
+        Term::Binary(operation, left, right) => finite(binary(*operation, scalar(left)?, scalar(right)?)?)?,
         Term::Disc(diameter) => {
             let diameter = scalar(diameter)?;
             let quarter = Scalar::constant(0.25 * PI, NUMBER);
             let area = binary(Binary::Multiply, quarter, diameter.clone())?;
-            Compiled::Scalar(binary(Binary::Multiply, area, diameter)?)
+            finite(binary(Binary::Multiply, area, diameter)?)?
         }
         Term::Function(function, arguments) => {
             let arguments = arguments.iter().map(scalar).collect::<Result<Vec<_>, _>>()?;
-            Compiled::Scalar(call(*function, arguments)?)
+            finite(call(*function, arguments)?)?
         }
         Term::Either(terms) => return choose(terms, scope),
         Term::Compare(relation, left, right) => {
@@ -130,23 +180,42 @@ pub(super) fn compile(term: &Term, scope: &dyn Scope) -> Result<Compiled, Troubl
     })
 }
 
-/// The value that a condition over keys selects; the other one is not evaluated, so that its keys have no effect.
+/// The value that a condition over keys selects. The keys of the other one have no effect, but its errors are found.
 fn choose(terms: &[Term; 3], scope: &dyn Scope) -> Result<Compiled, Trouble> {
     let [condition, yes, no] = terms;
-    match compile(condition, scope)? {
-        Compiled::Truth(satisfied) => compile(if satisfied { yes } else { no }, scope),
-        _ => Err(Trouble::here(
+    let Compiled::Truth(satisfied) = compile(condition, scope)? else {
+        return Err(Trouble::here(
             "`if` takes a condition over keys first",
             "write if(hand.mass > 0, a, b)",
-        )),
+        ));
+    };
+    let (selected, other) = if satisfied { (yes, no) } else { (no, yes) };
+    let mut value = compile(selected, scope)?;
+    match (&mut value, scope.unselected(&mut || compile(other, scope))?) {
+        (_, None) => {}
+        (Compiled::Scalar(own), Some(Compiled::Scalar(other))) => {
+            common("its branches are", own, &other)?;
+        }
+        (Compiled::Word(own), Some(Compiled::Word(other))) => {
+            own.unselected.push(other.text);
+            own.unselected.extend(other.unselected);
+        }
+        (Compiled::Truth(_) | Compiled::Conditions(_), Some(Compiled::Truth(_) | Compiled::Conditions(_))) => {}
+        (own, Some(other)) => {
+            return Err(Trouble::here(
+                format!("its branches are {} and {}", own.kind(), other.kind()),
+                "both must be of the same kind",
+            ));
+        }
     }
+    Ok(value)
 }
 
 fn scalar(term: &Term, scope: &dyn Scope) -> Result<Scalar, Trouble> {
     match compile(term, scope)? {
         Compiled::Scalar(scalar) => Ok(scalar),
         Compiled::Word(word) => Err(Trouble::here(
-            format!("'{word}' is a word, not a number"),
+            format!("'{}' is a word, not a number", word.text),
             "compare words with == or !=",
         )),
         Compiled::Truth(_) | Compiled::Conditions(_) => Err(Trouble::here(
@@ -182,13 +251,13 @@ fn binary(operation: Binary, left: Scalar, right: Scalar) -> Result<Scalar, Trou
         Binary::Power => Some(power(plain(&left), &right)?),
     };
     let value = match (left.number(), right.number()) {
-        (Some(a), Some(b)) => Expression::Constant(finite(match operation {
+        (Some(a), Some(b)) => Expression::Constant(match operation {
             Binary::Add => a + b,
             Binary::Subtract => a - b,
             Binary::Multiply => a * b,
             Binary::Divide => a / b,
             Binary::Power => raise(a, b),
-        })?),
+        }),
         _ => Expression::Binary(operation, Box::new(left.value), Box::new(right.value)),
     };
     Ok(Scalar { value, dimension })
@@ -259,7 +328,7 @@ fn call(function: Function, mut arguments: Vec<Scalar>) -> Result<Scalar, Troubl
     let value = match numbers.as_deref() {
         Some([a, rest @ ..]) => {
             let b = rest.first().copied().unwrap_or(*a);
-            Expression::Constant(finite(match function {
+            Expression::Constant(match function {
                 Function::Sqrt => a.sqrt(),
                 Function::Exp => a.exp(),
                 Function::Sin => a.sin(),
@@ -268,7 +337,7 @@ fn call(function: Function, mut arguments: Vec<Scalar>) -> Result<Scalar, Troubl
                 Function::Abs => a.abs(),
                 Function::Min => a.min(b),
                 Function::Max => a.max(b),
-            })?)
+            })
         }
         _ => Expression::Function(function, arguments.drain(..).map(|argument| argument.value).collect()),
     };
@@ -285,17 +354,6 @@ fn plain(what: &str, found: Option<Dimension>, allowed: &[Dimension]) -> Result<
     }
 }
 
-fn finite(value: f64) -> Result<f64, Trouble> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(Trouble::here(
-            "its value is not finite",
-            "check divisions, roots and powers",
-        ))
-    }
-}
-
 fn compare(relation: Relation, left: Compiled, right: Compiled) -> Result<Compiled, Trouble> {
     let equality = match relation {
         Relation::Equal => Some(true),
@@ -304,13 +362,31 @@ fn compare(relation: Relation, left: Compiled, right: Compiled) -> Result<Compil
     };
     match (left, right, equality) {
         (Compiled::Scalar(left), Compiled::Scalar(right), _) => compare_numbers(relation, left, right),
-        (Compiled::Word(left), Compiled::Word(right), Some(equal)) => Ok(Compiled::Truth((left == right) == equal)),
+        (Compiled::Word(left), Compiled::Word(right), Some(equal)) => {
+            is_allowed(&left, &right)?;
+            is_allowed(&right, &left)?;
+            Ok(Compiled::Truth((left.text == right.text) == equal))
+        }
         (Compiled::Truth(left), Compiled::Truth(right), Some(equal)) => Ok(Compiled::Truth((left == right) == equal)),
         _ => Err(Trouble::here(
             "it compares values of different kinds",
             "compare numbers with numbers, and words with == or != to a word in single quotes",
         )),
     }
+}
+
+/// Checks that the key behind the first word may have the second.
+fn is_allowed(key: &Word, word: &Word) -> Result<(), Trouble> {
+    let allowed = key.allowed;
+    if allowed.is_empty() || allowed.contains(&word.text.as_str()) {
+        return Ok(());
+    }
+    let near = nearest(allowed.iter().copied(), &word.text);
+    let near = near.map_or_else(String::new, |near| format!("did you mean '{near}'? "));
+    Err(Trouble::here(
+        format!("it compares a key with '{}', which it cannot be", word.text),
+        format!("{near}its words are {}", allowed.join(", ")),
+    ))
 }
 
 fn compare_numbers(relation: Relation, left: Scalar, right: Scalar) -> Result<Compiled, Trouble> {

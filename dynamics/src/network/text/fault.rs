@@ -199,6 +199,9 @@ pub enum Fault {
     /// A name contains characters other than lower-case letters, digits and underscores.
     #[error("is not a name of a block")]
     BadName,
+    /// A name already has a meaning in formulas.
+    #[error("has a name with a meaning of its own in formulas")]
+    Reserved,
     /// Two fields exclude each other.
     #[error("has more than one of {}", fields.join(", "))]
     Exclusive {
@@ -379,6 +382,7 @@ impl Fault {
             }
             Self::DuplicateName { .. } => "rename one of them; channels are named by their block".to_owned(),
             Self::BadName => "use lower-case letters, digits and underscores, a letter first".to_owned(),
+            Self::Reserved => "choose another name than ground, key, pi, and, or, not".to_owned(),
             Self::Exclusive { .. } => {
                 "leave one of them; `replace = true` drops the fields of the assembly that this one changes".to_owned()
             }

@@ -2,11 +2,11 @@
 
 use nailnoise_quantities::{Held, Kind, Value};
 
-use super::compile::Compiled;
+use super::compile::{Compiled, Word};
 use super::fault::{AssemblyError, Fault};
 use super::layers::dotted;
 use super::node::{Node, Spot, Tree};
-use super::resolver::{KeyScope, Resolver, kind_of};
+use super::resolver::{KeyScope, Resolver};
 use super::table::{FieldSpec, FieldType, TableSpec};
 use crate::network::assembly::{Base, BlockRef, Family, Push, Space};
 
@@ -78,20 +78,16 @@ impl<'r, 'a> Fields<'r, 'a> {
         self.resolver.error(&self.full(key), self.spot(key), fault)
     }
 
-    /// An error of blocks that refer to each other in a circle by the field `key`. It is placed in the file nearest to
-    /// the design, which closes the circle.
-    pub(super) fn circle<'f>(blocks: impl IntoIterator<Item = &'f Self>, key: &str) -> Option<AssemblyError>
-    where
-        Self: 'f,
-    {
-        let blocks: Vec<&Self> = blocks.into_iter().collect();
-        let rank = |block: &&&Self| block.resolver.text.sources.rank(block.spot(key));
-        let nearest = blocks.iter().rev().max_by_key(rank)?;
-        let names = blocks.iter().chain(blocks.first());
-        let names = names
-            .map(|block| block.path.rsplit('.').next().unwrap_or_default().to_owned())
-            .collect();
-        Some(nearest.error(key, Fault::Circle { names }))
+    /// An error of this block and `others`, which refer to each other in a circle by the field `key`. It is placed in
+    /// the file nearest to the design, which closes the circle.
+    pub(super) fn circle(&self, others: &[&Self], key: &str) -> AssemblyError {
+        let rank = |block: &Self| self.resolver.text.sources.rank(block.spot(key));
+        let nearer = |best, block| if rank(block) > rank(best) { block } else { best };
+        let nearest = others.iter().copied().fold(self, nearer);
+        let name = |block: &Self| block.path.rsplit('.').next().unwrap_or_default().to_owned();
+        let circle = std::iter::once(self).chain(others.iter().copied());
+        let names = circle.chain(std::iter::once(self)).map(name).collect();
+        nearest.error(key, Fault::Circle { names })
     }
 
     /// An error of the block.
@@ -215,10 +211,8 @@ impl<'r, 'a> Fields<'r, 'a> {
 
     /// One of some words, or a formula over keys that gives one.
     pub(super) fn word<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, AssemblyError> {
-        let Some(text) = self.chosen(key)? else { return Ok(None) };
-        let found = words.iter().find(|(word, _)| *word == text);
-        let value = found.map(|(_, value)| Some(*value));
-        value.ok_or_else(|| self.no_word(key, text, words.iter().map(|(word, _)| *word)))
+        let find = |text: &str| words.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
+        self.chosen(key, words.iter().map(|(word, _)| *word), find)
     }
 
     /// One of the words of a key of some kind, or a formula over keys that gives one.
@@ -227,35 +221,43 @@ impl<'r, 'a> Fields<'r, 'a> {
         key: &str,
         words: &'static [&'static str],
     ) -> Result<Option<T>, AssemblyError> {
-        let Some(text) = self.chosen(key)? else { return Ok(None) };
-        let found = words.iter().find(|word| **word == text);
-        let value = found.and_then(|word| T::from_value(&Value::Choice(word)));
-        value
-            .map(Some)
-            .ok_or_else(|| self.no_word(key, text, words.iter().copied()))
+        let find = |text: &str| {
+            let word = words.iter().find(|word| **word == text)?;
+            T::from_value(&Value::Choice(word))
+        };
+        self.chosen(key, words.iter().copied(), find)
     }
 
-    fn no_word<'w>(&self, key: &str, found: String, words: impl Iterator<Item = &'w str>) -> AssemblyError {
-        let words = words.map(str::to_owned).collect();
-        self.error(key, Fault::Word { found, words })
-    }
-
-    /// A word: a text, or the value of a formula over keys.
-    fn chosen(&self, key: &str) -> Result<Option<String>, AssemblyError> {
+    /// The meaning of a word: of a text, or of the value of a formula over keys, whose other branches must be words of
+    /// the field too.
+    fn chosen<'w, T>(
+        &self,
+        key: &str,
+        words: impl Iterator<Item = &'w str>,
+        find: impl Fn(&str) -> Option<T>,
+    ) -> Result<Option<T>, AssemblyError> {
         let (Some(text), Some(node)) = (self.text(key)?, self.get(key)) else {
             return Ok(None);
         };
-        let Some(formula) = text.strip_prefix('=') else {
-            return Ok(Some(text.to_owned()));
+        let word = match text.strip_prefix('=') {
+            None => Word::new(text),
+            Some(formula) => match self
+                .resolver
+                .formula(&self.full(key), node, formula, &KeyScope(self.resolver))?
+            {
+                Compiled::Word(word) => word,
+                other => {
+                    let (found, expected) = (other.kind(), self.expected(key));
+                    return Err(self.error(key, Fault::Kind { found, expected }));
+                }
+            },
         };
-        let scope = KeyScope(self.resolver);
-        match self.resolver.formula(&self.full(key), node, formula, &scope)? {
-            Compiled::Word(word) => Ok(Some(word)),
-            other => {
-                let (found, expected) = (kind_of(&other), self.expected(key));
-                Err(self.error(key, Fault::Kind { found, expected }))
-            }
+        let every = std::iter::once(&word.text).chain(&word.unselected);
+        if let Some(found) = every.into_iter().find(|word| find(word).is_none()) {
+            let (found, words) = (found.clone(), words.map(str::to_owned).collect());
+            return Err(self.error(key, Fault::Word { found, words }));
         }
+        Ok(find(&word.text))
     }
 
     /// "down" or "up".

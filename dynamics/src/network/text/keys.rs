@@ -23,6 +23,13 @@ pub enum KeyValue {
     /// A switch.
     Switch(bool),
     /// A choice.
+    Choice {
+        /// Chosen word.
+        word: &'static str,
+        /// All words.
+        words: &'static [&'static str],
+    },
+    /// A text.
     Word(String),
 }
 
@@ -40,7 +47,13 @@ impl KeyValue {
                 dimension,
             },
             Value::Switch(on) => Self::Switch(*on),
-            Value::Choice(word) => Self::Word((*word).to_owned()),
+            Value::Choice(word) => Self::Choice {
+                word,
+                words: match spec.kind {
+                    Kind::Choice(words) => words,
+                    _ => &[],
+                },
+            },
             Value::File(name) | Value::Name(Name(name)) => Self::Word(name.clone()),
         }
     }
@@ -65,22 +78,30 @@ impl Keys for BTreeMap<String, KeyValue> {
 }
 
 impl Parameters {
-    /// Values of all keys of the cycle, including `support.stiffness` and `support.damping` of the support in use, the
-    /// muffler's kind and area, and the share of friction in the resistance.
+    /// Values of all keys of the cycle, including `support.stiffness`, `support.damping` and `support.damping_ratio` of
+    /// the support in use, the muffler's kind and area, and the share of friction in the resistance.
     pub fn keys(&self) -> BTreeMap<String, KeyValue> {
         let mut keys = BTreeMap::new();
         self.visit(&mut |path, spec, value| {
             keys.insert(path.to_owned(), KeyValue::of(spec, &value));
         });
+        let Geometry {
+            workpiece_mass,
+            support_damping,
+            ..
+        } = Geometry::new(self);
+        let damping_ratio = self.support.damping_ratio(workpiece_mass);
         let support = [
             ("support.stiffness", self.support.stiffness, STIFFNESS),
-            ("support.damping", Geometry::new(self).support_damping, DAMPING),
+            ("support.damping", support_damping, DAMPING),
+            ("support.damping_ratio", damping_ratio, NUMBER),
         ];
         for (path, si, dimension) in support {
             keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
         }
-        let kind = if self.muffler_area.is_some() { "given" } else { "none" };
-        keys.insert("exhaust.muffler.kind".to_owned(), KeyValue::Word(kind.to_owned()));
+        let word = if self.muffler_area.is_some() { "given" } else { "none" };
+        let words = &["given", "none"];
+        keys.insert("exhaust.muffler.kind".to_owned(), KeyValue::Choice { word, words });
         let area = KeyValue::Quantity {
             si: self.muffler_area.unwrap_or(0.0),
             dimension: AREA,

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use nailnoise_documents::{Document, DocumentError, Place, read_regular};
-use nailnoise_quantities::{Kind, Sign, range};
+use nailnoise_quantities::{Kind, any, range};
 
 use super::fault::{AssemblyError, Fault};
 use super::formula::{Term, parse};
 use super::keys::standard;
 use super::named::NamedInTexts;
-use super::node::{Entry, FieldText, Node, Sources, Spot, Tree, entries};
+use super::node::{Entry, FieldText, Node, Removed, Sources, Spot, Tree, entries};
 
 /// Built-in assemblies: name and text.
 pub const BUILT_IN: [(&str, &str); 9] = [
@@ -93,6 +93,8 @@ pub struct AssemblyText {
     pub(super) values: BTreeMap<String, Node>,
     /// Names in the texts of the files, also of blocks that a nearer file removes.
     pub(super) named: NamedInTexts,
+    /// Blocks and fields that a nearer file removes.
+    pub(super) removed: Vec<Removed>,
 }
 
 impl AssemblyText {
@@ -139,6 +141,7 @@ impl AssemblyText {
             declared: BTreeMap::new(),
             values: BTreeMap::new(),
             named: NamedInTexts::default(),
+            removed: Vec::new(),
         };
         for document in documents {
             text.add(document, 0)?;
@@ -308,13 +311,14 @@ impl AssemblyText {
             None => {}
         }
         self.named.add(&cycle);
-        self.cycle.merge(cycle);
+        self.removed.extend(self.cycle.merge(cycle, "cycle"));
         Ok(())
     }
 
     /// Drops the blocks of the layers so far.
     fn restart(&mut self) {
         self.named = NamedInTexts::default();
+        self.removed.clear();
         if let Tree::Table(fields) = &mut self.cycle.value {
             fields.clear();
         }
@@ -424,7 +428,9 @@ impl AssemblyText {
         }
         self.named.add(&node);
         match self.values.get_mut(path) {
-            Some(present) => present.merge(node),
+            Some(present) => {
+                present.merge(node, path);
+            }
             None => {
                 self.values.insert(path.to_owned(), node);
             }
@@ -484,12 +490,7 @@ fn domain_kind(text: &str) -> Option<Kind> {
         _ => return None,
     };
     let [low, high] = range(text, dimension, false).ok()?;
-    (low.si < high.si).then_some(Kind::Quantity {
-        dimension,
-        sign: Sign::Any,
-        within: Some([low.si, high.si]),
-        gauge: false,
-    })
+    (low.si < high.si).then(|| any(dimension).within(low.si, high.si).or_gauge())
 }
 
 /// Removes layout: the fields of a block's layout tables become its own, and the groups of `let` are merged into one

@@ -31,6 +31,17 @@ pub(super) struct Entry {
     pub(super) node: Node,
 }
 
+/// An entry that a file closer to the design removes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Removed {
+    /// Full name.
+    pub(super) path: String,
+    /// Its value before.
+    pub(super) node: Node,
+    /// Place of the `false` that removes it.
+    pub(super) spot: Spot,
+}
+
 /// A value of TOML.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Tree {
@@ -167,16 +178,18 @@ impl Node {
 
     /// Merges another table into this one: tables merge entry by entry, other values replace what they meet. `false`
     /// removes an entry that is not itself a flag, `replace = true` clears a table first, and a bare value keeps the
-    /// range and provenance of the value that it replaces.
-    pub(super) fn merge(&mut self, over: Self) {
+    /// range and provenance of the value that it replaces. Returns the entries that `false` removes; `path` is the full
+    /// name of this table.
+    pub(super) fn merge(&mut self, over: Self, path: &str) -> Vec<Removed> {
         if self.is_literal_table() && !over.is_table() && over.is_value() {
             if let Tree::Table(entries) = &mut self.value
                 && let Some(value) = entries.iter_mut().find(|entry| entry.key == "value")
             {
                 value.node = over;
             }
-            return;
+            return Vec::new();
         }
+        let mut removed = Vec::new();
         match (&mut self.value, over.value) {
             (Tree::Table(own), Tree::Table(others)) => {
                 let replace = others
@@ -186,7 +199,7 @@ impl Node {
                     own.clear();
                 }
                 for entry in others.into_iter().filter(|entry| entry.key != "replace") {
-                    merge_entry(own, entry);
+                    removed.extend(merge_entry(own, entry, path));
                 }
             }
             (value, other) => {
@@ -194,6 +207,7 @@ impl Node {
                 self.spot = over.spot;
             }
         }
+        removed
     }
 
     /// Whether it is a quantity given as a bare value and not as a formula.
@@ -206,20 +220,23 @@ impl Node {
     }
 }
 
-fn merge_entry(own: &mut Vec<Entry>, entry: Entry) {
+fn merge_entry(own: &mut Vec<Entry>, mut entry: Entry, path: &str) -> Vec<Removed> {
     let found = own.iter().position(|present| present.key == entry.key);
-    match (found, &entry.node.value) {
-        (Some(at), Tree::Flag(false)) if !matches!(own[at].node.value, Tree::Flag(_)) => {
-            own.remove(at);
-        }
-        (Some(at), _) => own[at].node.merge(entry.node),
-        (None, _) => {
-            let mut entry = entry;
+    let path = format!("{path}.{}", entry.key);
+    match (found, &mut entry.node.value) {
+        (Some(at), Tree::Flag(false)) if !matches!(own[at].node.value, Tree::Flag(_)) => vec![Removed {
+            path,
+            node: own.remove(at).node,
+            spot: entry.spot,
+        }],
+        (Some(at), _) => own[at].node.merge(entry.node, &path),
+        (None, value) => {
             // The flag `replace` has no effect in a new table.
-            if let Tree::Table(entries) = &mut entry.node.value {
+            if let Tree::Table(entries) = value {
                 entries.retain(|entry| entry.key != "replace");
             }
             own.push(entry);
+            Vec::new()
         }
     }
 }

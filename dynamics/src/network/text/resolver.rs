@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Kind, any};
 
-use super::compile::{Compiled, Scalar, Scope, Trouble, compile};
+use super::compile::{Branch, Compiled, Scalar, Scope, Trouble, Word, compile};
 use super::fault::{AssemblyError, Fault};
 use super::formula::parse;
 use super::keys::{KeyValue, Keys};
@@ -31,6 +31,8 @@ pub(super) struct Resolver<'a> {
 struct State {
     /// Names being evaluated, to detect cycles.
     stack: Vec<String>,
+    /// Number of branches being compiled that no `if` selects.
+    unselected: usize,
     /// Values of names that have been evaluated.
     values: BTreeMap<String, Compiled>,
     literals: Vec<Literal>,
@@ -84,6 +86,12 @@ impl<'a> Resolver<'a> {
                 });
             }
         }
+        for entry in self.text.cycle.get("let").map_or(&[][..], Node::entries) {
+            if is_reserved(&entry.key) {
+                let path = format!("cycle.let.{}", entry.key);
+                return Err(self.error(&path, &entry.spot, Fault::Reserved));
+            }
+        }
         for (table, list) in [("sensor", &mut names.sensors), ("event", &mut names.events)] {
             for entry in self.text.cycle.get(table).map_or(&[][..], Node::entries) {
                 let path = format!("cycle.{table}.{}", entry.key);
@@ -107,7 +115,10 @@ impl<'a> Resolver<'a> {
         let rest = name
             .chars()
             .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-        if first && rest && !matches!(name, "ground" | "key" | "pi" | "and" | "or" | "not") {
+        if is_reserved(name) {
+            return Err(self.error(path, spot, Fault::Reserved));
+        }
+        if first && rest {
             return Ok(());
         }
         Err(self.error(path, spot, Fault::BadName))
@@ -176,7 +187,7 @@ impl<'a> Resolver<'a> {
             Some(formula) => match self.formula(path, node, formula, &KeyScope(self))? {
                 Compiled::Scalar(scalar) => scalar,
                 other => {
-                    let found = kind_of(&other);
+                    let found = other.kind();
                     let expected = expected.to_string();
                     return Err(self.error(path, &node.spot, Fault::Kind { found, expected }));
                 }
@@ -281,8 +292,8 @@ impl<'a> Resolver<'a> {
             (_, Some(text)) => match text.strip_prefix('=') {
                 Some(formula) => self.formula(path, value, formula, &KeyScope(self)),
                 None => {
-                    let dimension = unit_dimension(text);
-                    self.literal(path, node, any(dimension)).map(Compiled::Scalar)
+                    let kind = any(unit_dimension(text)).or_gauge();
+                    self.literal(path, node, kind).map(Compiled::Scalar)
                 }
             },
             (Tree::Number(number), _) => {
@@ -349,7 +360,12 @@ impl<'a> Resolver<'a> {
         }
         if let Some(value) = self.keys.value(name) {
             self.state.borrow_mut().used.insert(name.to_owned());
-            return Ok(Some(of_key(value)));
+            return Ok(Some(match value {
+                KeyValue::Quantity { si, dimension } => Compiled::Scalar(Scalar::constant(si, dimension)),
+                KeyValue::Switch(on) => Compiled::Truth(on),
+                KeyValue::Choice { word, words } => word_of(word, words),
+                KeyValue::Word(word) => Compiled::Word(Word::new(word)),
+            }));
         }
         if let Some(rest) = name.strip_prefix("cycle.") {
             let node = rest.split('.').try_fold(&self.text.cycle, |node, key| node.get(key));
@@ -358,10 +374,11 @@ impl<'a> Resolver<'a> {
                 None => Ok(None),
             };
         }
-        let Some(node) = self.text.values.get(name) else {
-            return Ok(None);
-        };
         let kind = self.text.kind(name);
+        let Some(node) = self.text.values.get(name) else {
+            // The value of a key has no effect in a branch that is not selected, and need not be given.
+            return Ok(kind.filter(|_| !self.is_selected()).map(without_value));
+        };
         let value = self.once(name, node, || {
             let kind = kind.ok_or_else(|| self.text.undeclared(name, node))?;
             match kind {
@@ -370,9 +387,13 @@ impl<'a> Resolver<'a> {
                     .map(|si| Compiled::Scalar(Scalar::constant(si, dimension(kind)))),
                 Kind::Switch | Kind::Choice(_) | Kind::File | Kind::Name => {
                     let value = node.get("value").unwrap_or(node);
+                    let words = match kind {
+                        Kind::Choice(words) => words,
+                        _ => &[],
+                    };
                     match (&value.value, value.text()) {
                         (Tree::Flag(on), _) => Ok(Compiled::Truth(*on)),
-                        (_, Some(word)) => Ok(Compiled::Word(word.to_owned())),
+                        (_, Some(word)) => Ok(word_of(word, words)),
                         _ => {
                             let found = value.found();
                             let expected = "a word".to_owned();
@@ -384,6 +405,30 @@ impl<'a> Resolver<'a> {
         })?;
         self.state.borrow_mut().used.insert(name.to_owned());
         Ok(Some(value))
+    }
+
+    /// Compiles a branch that no `if` selects: what it reads has no effect. `None` if it refers to itself, which is an
+    /// error only where it is selected.
+    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
+        let before = {
+            let mut state = self.state.borrow_mut();
+            state.unselected += 1;
+            (state.values.clone(), state.literals.len(), state.used.clone())
+        };
+        let value = branch();
+        let mut state = self.state.borrow_mut();
+        state.unselected -= 1;
+        let literals;
+        (state.values, literals, state.used) = before;
+        state.literals.truncate(literals);
+        match value {
+            Err(Trouble::Elsewhere(error)) if matches!(error.fault, Fault::Circle { .. }) => Ok(None),
+            value => value.map(Some),
+        }
+    }
+
+    fn is_selected(&self) -> bool {
+        self.state.borrow().unselected == 0
     }
 
     /// All names that formulas may use, for messages.
@@ -414,21 +459,25 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// Describes a compiled formula in words.
-pub(super) fn kind_of(compiled: &Compiled) -> String {
-    match compiled {
-        Compiled::Scalar(_) => "a number".to_owned(),
-        Compiled::Truth(_) | Compiled::Conditions(_) => "a condition".to_owned(),
-        Compiled::Word(word) => format!("the word '{word}'"),
+/// Whether formulas give a name a meaning of its own.
+fn is_reserved(name: &str) -> bool {
+    matches!(name, "ground" | "key" | "pi" | "and" | "or" | "not")
+}
+
+/// A value of the kind of a key that has none.
+fn without_value(kind: Kind) -> Compiled {
+    match kind {
+        Kind::Quantity { .. } | Kind::Count(_) => Compiled::Scalar(Scalar::constant(f64::NAN, dimension(kind))),
+        Kind::Switch => Compiled::Truth(false),
+        Kind::Choice(words) => word_of(words.first().copied().unwrap_or_default(), words),
+        Kind::File | Kind::Name => Compiled::Word(Word::new("")),
     }
 }
 
-fn of_key(value: KeyValue) -> Compiled {
-    match value {
-        KeyValue::Quantity { si, dimension } => Compiled::Scalar(Scalar::constant(si, dimension)),
-        KeyValue::Switch(on) => Compiled::Truth(on),
-        KeyValue::Word(word) => Compiled::Word(word),
-    }
+/// A word of a key that may be one of some words.
+fn word_of(text: &str, allowed: &'static [&'static str]) -> Compiled {
+    let word = Word::new(text);
+    Compiled::Word(Word { allowed, ..word })
 }
 
 /// Dimension of the unit of a quantity; dimensionless for a text that is not a quantity.
@@ -454,6 +503,14 @@ impl Scope for KeyScope<'_, '_> {
             Some(value) => Ok(value),
             None => Err(self.0.unknown(name, "key and no name of [cycle.let]", Vec::new())),
         }
+    }
+
+    fn is_selected(&self) -> bool {
+        self.0.is_selected()
+    }
+
+    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
+        self.0.unselected(branch)
     }
 }
 
@@ -491,7 +548,7 @@ impl StateScope<'_, '_> {
         }
         let is_quantity = CHANNELS.iter().any(|(_, family)| known(*family).is_some());
         if names.off.contains(&block) && is_quantity {
-            if self.off_is_zero {
+            if self.off_is_zero || !self.is_selected() {
                 let value = Expression::Constant(0.0);
                 return Ok(Some(Compiled::Scalar(Scalar { value, dimension: None })));
             }
@@ -528,5 +585,13 @@ impl Scope for StateScope<'_, '_> {
         Err(self
             .resolver
             .unknown(name, "channel, sensor, name of [cycle.let] or key", known))
+    }
+
+    fn is_selected(&self) -> bool {
+        self.resolver.is_selected()
+    }
+
+    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
+        self.resolver.unselected(branch)
     }
 }

@@ -14,7 +14,7 @@ use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::names::{Block, quantities, words};
 use crate::network::text::node::{Node, Tree};
-use crate::network::text::resolver::{Resolver, StateScope, kind_of};
+use crate::network::text::resolver::{Resolver, StateScope};
 
 /// A sensor and its dimension.
 pub(super) struct Measured {
@@ -55,8 +55,11 @@ pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, Assembly
     for start in 0..fields.len() {
         let mut path = vec![start];
         if reaches(&sensors, start, start, &mut path, &mut vec![false; sensors.len()]) {
-            let circle = path[..path.len() - 1].iter().map(|sensor| &fields[*sensor].1);
-            return Fields::circle(circle, "is").map_or(Ok(sensors), Err);
+            let others: Vec<_> = path[1..path.len() - 1]
+                .iter()
+                .map(|sensor| &fields[*sensor].1)
+                .collect();
+            return Err(fields[start].1.circle(&others, "is"));
         }
     }
     Ok(sensors)
@@ -124,7 +127,7 @@ pub(super) fn expression(
     match fields.resolver.formula(&fields.full(key), node, text, &scope)? {
         Compiled::Scalar(scalar) => Ok(Some(scalar)),
         other => {
-            let (found, expected) = (kind_of(&other), fields.expected(key));
+            let (found, expected) = (other.kind(), fields.expected(key));
             Err(fields.error(key, Fault::Kind { found, expected }))
         }
     }
@@ -177,7 +180,7 @@ fn condition(
                 strict: true,
             }],
         }),
-        other => Err(wrong(kind_of(&other))),
+        other => Err(wrong(other.kind())),
     }
 }
 
@@ -442,8 +445,8 @@ pub(super) fn events(
         let mut path = vec![start];
         while let Some(next) = events[path[path.len() - 1]].after {
             if next == start {
-                let circle = path.iter().map(|event| &blocks[*event].1);
-                return Fields::circle(circle, "after").map_or(Ok(events), Err);
+                let others: Vec<_> = path[1..].iter().map(|event| &blocks[*event].1).collect();
+                return Err(blocks[start].1.circle(&others, "after"));
             }
             if path.len() > events.len() {
                 break;

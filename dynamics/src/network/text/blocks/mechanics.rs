@@ -27,8 +27,8 @@ pub(super) fn parents(resolver: &Resolver<'_>) -> Result<Vec<Base>, AssemblyErro
         let mut path = vec![index];
         while let Base::Body(next) = parents[path[path.len() - 1]] {
             if next == index {
-                let circle = path.iter().map(|body| &bodies[*body].1);
-                return Fields::circle(circle, "parent").map_or(Ok(parents), Err);
+                let others: Vec<_> = path[1..].iter().map(|body| &bodies[*body].1).collect();
+                return Err(bodies[index].1.circle(&others, "parent"));
             }
             // A cycle that this body only leads to is reported for its own bodies.
             if path.len() > parents.len() {

@@ -1,8 +1,9 @@
 //! Checks that a uniform pressure does not move a body.
 
-use super::place::error;
+use super::place::error_of;
 use crate::network::assembly::{Assembly, Push};
 use crate::network::text::blocks::unbalanced;
+use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
@@ -23,12 +24,15 @@ pub(super) fn balance(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<()
         let (down, up) = (area(Push::Down), area(Push::Up));
         let is_allowed = allowed.get(index).copied().unwrap_or(false);
         if !is_allowed && (down - up).abs() > ROUNDING * down.max(up) {
-            let body = body.name.clone();
-            return Err(error(
+            let name = &body.name;
+            let body = name.clone();
+            let parts = Part::of_faces(assembly, index);
+            return Err(error_of(
                 resolver,
                 "body",
-                &body.clone(),
+                name,
                 Fault::Unbalanced { body, down, up },
+                &parts,
             ));
         }
     }

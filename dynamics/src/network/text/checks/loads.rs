@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nailnoise_quantities::rounded;
 
 use crate::network::assembly::{
-    Assembly, Base, Binary, BlockRef, Channel, Expression, Family, Function, Quantity, Space,
+    Assembly, Base, Binary, BlockRef, Channel, Expression, Family, Fastener, Function, Quantity, Space,
 };
 use crate::network::text::blocks::is_atmosphere;
 use crate::network::text::fault::{AssemblyError, Fault};
@@ -296,6 +296,11 @@ impl Sum<'_, '_> {
         }
         if let (Family::Face, Some(face)) = (block.family, self.assembly.faces.get(block.index)) {
             return face.area * self.pressure(face.gas, state);
+        }
+        // A guide without friction exerts no force, whether the loads name it or not.
+        let is_free = |fastener: &Fastener| fastener.seated.guide_friction == 0.0;
+        if quantity == Quantity::GuideForce && self.assembly.fasteners.get(block.index).is_some_and(is_free) {
+            return 0.0;
         }
         let read = |quantity: Quantity| state.get(&key(Channel { block, quantity })).copied().unwrap_or(0.0);
         if block.family == Family::Volume && quantity == Quantity::Pressure {

@@ -1,7 +1,7 @@
 //! Checks that passages to the atmosphere make noise, and that no supply empties through them.
 
-use super::place::{error, error_of, stop};
-use crate::network::assembly::{Assembly, Base, Opens, Passage, Push, Space, Stop};
+use super::place::{error_of, stop};
+use crate::network::assembly::{Assembly, Base, Family, Opens, Passage, Push, Space, Stop};
 use crate::network::text::blocks::{is_atmosphere, reaches_atmosphere};
 use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault, Travels};
@@ -12,7 +12,8 @@ pub(super) fn are_heard(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<
     for (index, passage) in assembly.passages.iter().enumerate() {
         let heard = passage.silent || assembly.openings.iter().any(|opening| opening.passage == index);
         if !heard && reaches_atmosphere(resolver, passage) {
-            return Err(error(resolver, "passage", &passage.name, Fault::Unheard));
+            let parts = Part::of_block(Family::Passage, &passage.name);
+            return Err(error_of(resolver, "passage", &passage.name, Fault::Unheard, &parts));
         }
     }
     Ok(())
@@ -72,7 +73,7 @@ fn seats(assembly: &Assembly) -> Vec<SeatRange> {
             else {
                 continue;
             };
-            let limit = |side: Stop, none: f64| stop(assembly, body, against, side).map_or(none, |contact| contact.at);
+            let limit = |side: Stop, none: f64| stop(assembly, body, against, side).unwrap_or(none);
             let (low, high) = (limit(Stop::Above, f64::NEG_INFINITY), limit(Stop::Below, f64::INFINITY));
             let open = match push {
                 Push::Down => [at.max(low), high],

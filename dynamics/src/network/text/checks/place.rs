@@ -1,21 +1,12 @@
 //! Locations of blocks, and the stops of bodies.
 
-use crate::network::assembly::{Assembly, Base, Contact, Stop};
+use crate::network::assembly::{Assembly, Base, Stop};
 use crate::network::text::changes::Part;
-use crate::network::text::fault::{AssemblyError, Changes, Fault};
+use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// The error for a block, given by name.
-pub(super) fn error(resolver: &Resolver<'_>, table: &str, name: &str, fault: Fault) -> AssemblyError {
-    let path = format!("cycle.{table}.{name}");
-    let spot = resolver
-        .names
-        .find(name)
-        .map_or(&resolver.text.cycle.spot, |block| block.spot);
-    resolver.error(&path, spot, fault)
-}
-
-/// The same with what files closer to the design change of the blocks that contribute to the fault.
+/// The error for a block, given by name, with what files closer to the design change of the blocks that contribute to
+/// it.
 pub(super) fn error_of(
     resolver: &Resolver<'_>,
     table: &str,
@@ -23,24 +14,24 @@ pub(super) fn error_of(
     fault: Fault,
     parts: &[Part<'_>],
 ) -> AssemblyError {
-    let found = resolver.names.find(name);
-    let changes = found.map_or_else(Changes::default, |block| resolver.text.changes(block.spot, parts));
+    let path = format!("cycle.{table}.{name}");
+    let block = resolver.names.find(name);
+    let spot = block.map_or(&resolver.text.cycle.spot, |block| block.spot);
     AssemblyError {
-        changes: Box::new(changes),
-        ..error(resolver, table, name, fault)
+        changes: Box::new(resolver.text.changes(spot, parts)),
+        ..resolver.error(&path, spot, fault)
     }
 }
 
-/// The stop that limits a body's travel relative to another on one side.
-pub(super) fn stop(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<&Contact> {
-    let mut stops: Vec<&Contact> = assembly
+/// Travel at which a stop limits a body's motion relative to another on one side \[m\].
+pub(super) fn stop(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<f64> {
+    let stops = assembly
         .contacts
         .iter()
-        .filter(|contact| contact.on == body && contact.against == against && contact.stop == side)
-        .collect();
-    stops.sort_by(|a, b| a.at.total_cmp(&b.at));
+        .filter_map(|contact| contact.limit(body, against));
+    let stops = stops.filter(|(own, _)| *own == side).map(|(_, at)| at);
     match side {
-        Stop::Below => stops.first().copied(),
-        Stop::Above => stops.last().copied(),
+        Stop::Below => stops.min_by(f64::total_cmp),
+        Stop::Above => stops.max_by(f64::total_cmp),
     }
 }

@@ -13,12 +13,11 @@ const ROUNDING: f64 = 1e-9;
 pub(super) fn check_range(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (index, spring) in assembly.springs.iter().enumerate() {
         let Some(limit) = spring.limit else { continue };
-        let stops = assembly
-            .contacts
-            .iter()
-            .filter(|contact| contact.on == spring.on && contact.against == spring.against);
-        for contact in stops {
-            let compression = spring.preload - spring.push.sign() * (contact.at - spring.free);
+        for contact in &assembly.contacts {
+            let Some((_, at)) = contact.limit(spring.on, spring.against) else {
+                continue;
+            };
+            let compression = spring.preload - spring.push.sign() * (at - spring.free);
             if compression > limit * (1.0 + ROUNDING) {
                 let fault = Fault::SpringLimit {
                     stop: contact.name.clone(),

@@ -1,7 +1,7 @@
 //! Checks that volumes can change and do not collapse.
 
-use super::place::{error, error_of, stop};
-use crate::network::assembly::{Assembly, Face, Space, Start, Stop};
+use super::place::{error_of, stop};
+use crate::network::assembly::{Assembly, Face, Family, Space, Start, Stop};
 use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
@@ -16,7 +16,8 @@ pub(super) fn are_reachable(resolver: &Resolver<'_>, assembly: &Assembly) -> Res
             .any(|passage| passage.from == space || passage.to == space);
         let face = assembly.faces.iter().any(|face| face.gas == space);
         if !passage && !face {
-            return Err(error(resolver, "volume", &volume.name, Fault::Isolated));
+            let parts = Part::of_block(Family::Volume, &volume.name);
+            return Err(error_of(resolver, "volume", &volume.name, Fault::Isolated, &parts));
         }
     }
     Ok(())
@@ -71,7 +72,7 @@ fn smallest_at(assembly: &Assembly, face: &Face, faces: &[&Face]) -> f64 {
         stop(assembly, face.body, face.against, side),
         assembly.bodies[face.body].start,
     ) {
-        (Some(contact), _) => contact.at,
+        (Some(at), _) => at,
         (None, Start::At { travel, .. }) if assembly.bodies[face.body].parent == face.against => travel,
         (None, _) => face.zero,
     }
