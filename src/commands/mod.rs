@@ -341,8 +341,14 @@ fn coloured() -> bool {
 fn status_of(checks: &[Check]) -> Status {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
+        // Errors of the coupling in time are those of its step.
+        let remedy = if check.name.starts_with("coupling: work difference") {
+            "; a smaller `analysis.time_step` reduces it, about with the square of the step"
+        } else {
+            ""
+        };
         message(&format!(
-            "check failed: {} is {:.3e}, limit {:.3e}; do not rely on the result",
+            "check failed: {} is {:.3e}, limit {:.3e}; do not rely on the result{remedy}",
             check.name, check.value, check.limit
         ));
     }

@@ -95,6 +95,16 @@ choice! {
     }
 }
 
+choice! {
+    /// Gas inside a fitting.
+    FittingGas {
+        /// That of the outflow, at its stagnation temperature.
+        Outflow = "outflow",
+        /// Air of the ambient temperature, as in a pipe without flow.
+        Ambient = "ambient",
+    }
+}
+
 group! {
     /// Pipe fitting on the exhaust holes, such as the one that carries a muffler in a wrapping test: a quarter-wave
     /// resonator that the choked holes close. It filters the unsteady outflow and excludes a muffler. Its wall moves
@@ -110,6 +120,8 @@ group! {
         wall_thickness: f64 = positive(LENGTH), "t";
         /// Mach number of the mean flow at the outlet, whose jet damps the resonances.
         outlet_mach: f64 = nonnegative(NUMBER).within(0.0, 1.0), "M";
+        /// Gas inside, whose sound speed sets the resonances.
+        gas: FittingGas = FittingGas::KIND, "";
     }
 }
 

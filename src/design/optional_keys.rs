@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use nailnoise_quantities::{Group, KeySpec, Measured};
+use nailnoise_quantities::{Group, KeySpec, Measured, Value};
 
 use super::groups::Values;
 use super::merged::Merged;
@@ -23,13 +23,17 @@ const ZERO: [&str; 4] = [
     "chambers.leak_coefficient",
 ];
 
+/// A key with the word that it has where none is given, and a key of its group: the outflow fills the fitting.
+const WORD: (&str, &str, &str) = ("exhaust.fitting.gas", "outflow", "exhaust.fitting.kind");
+
 /// The key whose value the keys of [`ZERO`] select.
 const COMMON: &str = "chambers.discharge_coefficient";
 
 /// Adds those of these keys to which no file gives a value.
 pub(super) fn add_missing(merged: &mut HashMap<String, Merged>) {
     let zeros = ZERO.map(|key| (key, COMMON));
-    for (key, other) in SAME.into_iter().chain(zeros) {
+    let (word_key, word, of_group) = WORD;
+    for (key, other) in SAME.into_iter().chain(zeros).chain([(word_key, of_group)]) {
         let given = merged.get(key).is_some_and(|merged| merged.value.is_some());
         let Some(other) = merged.get(other).filter(|other| !given && other.value.is_some()) else {
             continue;
@@ -42,6 +46,12 @@ pub(super) fn add_missing(merged: &mut HashMap<String, Merged>) {
                 *value = Given::Quantity(Measured { si: 0.0, gauge: false });
                 "0".clone_into(text);
             }
+        }
+        if key == word_key
+            && let Some((value, text, _)) = &mut added.value
+        {
+            *value = Given::Other(Value::Choice(word));
+            word.clone_into(text);
         }
         merged.insert(key.to_owned(), added);
     }

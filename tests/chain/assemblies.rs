@@ -161,11 +161,46 @@ fn a_blow_gun_has_its_nozzle_as_the_only_source() {
     assert_eq!(run.result.ranking[0].share, 1.0);
 }
 
+/// A design of `designs/tools` on the bodies of the small design, with other values.
+fn shipped(name: &str, values: &str) -> Design {
+    let file = std::path::Path::new(ROOT).join("designs/tools").join(name);
+    let own = std::fs::read_to_string(file).unwrap();
+    let (_, own) = own.split_once("\nbase = \"../n80cb.toml\"\n").unwrap();
+    small(&format!("{values}\n{own}"))
+}
+
+#[test]
+fn every_design_of_another_tool_reaches_its_ranking() {
+    let expected = |name: &str| match name {
+        "blow-gun.toml" => (&["exhaust"][..], "blows"),
+        "gas-spring-nailer.toml" => (&["body", "exhaust", "workpiece"][..], "drives"),
+        "impact-rig.toml" => (&["exhaust", "workpiece"][..], "underdriven"),
+        // As the design itself.
+        "n80cb-as-published.toml" => (&["body", "exhaust", "workpiece"][..], "strikes_bumper"),
+        "stapler.toml" => (&["body", "exhaust", "workpiece"][..], "drives"),
+        other => panic!("{other}: add its sources and outcome"),
+    };
+    for file in std::fs::read_dir(std::path::Path::new(ROOT).join("designs/tools")).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        let run = run(&shipped(&name, ""));
+        assert_eq!(
+            (&sources(&run)[..], run.result.outcome.as_str()),
+            expected(&name),
+            "{name}"
+        );
+        let failed = run.result.checks.iter().filter(|check| !check.ok);
+        let failed: Vec<&str> = failed.map(|check| &*check.name).collect();
+        assert!(failed.is_empty(), "{name}: {failed:?}");
+        assert!(
+            (run.result.ranking.iter().map(|own| own.share).sum::<f64>() - 1.0).abs() < 1e-9,
+            "{name}"
+        );
+    }
+}
+
 /// The rig over a block, with other values of its launch.
 fn rig(launch: &str) -> Design {
-    let own = std::fs::read_to_string(std::path::Path::new(ROOT).join("designs/tools/impact-rig.toml")).unwrap();
-    let (_, cycle) = own.split_once("[cycle]").unwrap();
-    small(&format!("[launch]\n{launch}\n[cycle]{cycle}"))
+    shipped("impact-rig.toml", &format!("[launch]\n{launch}"))
 }
 
 #[test]

@@ -47,6 +47,7 @@ OPTIONS = [
     ("discharge of leak and hose 0.62", ["chambers.leak_coefficient=0.62", "supply.hose_coefficient=0.62"]),
     ("trigger fills through 28 mm2", ["trigger.fill_area=28mm2"]),
     ("no fitting on the exhaust", ["exhaust.fitting.kind=none"]),
+    ("fitting filled with ambient air", ["exhaust.fitting.gas=ambient"]),
     ("wall of the fitting 3.2 mm, not 5.5 mm", ["exhaust.fitting.wall_thickness=3.2mm"]),
     ("cap and wall of the fitting counted to the body", ["sources.convention=physical"]),
     ("trigger vent counted to the exhaust", ["sources.trigger_vent=exhaust"]),

@@ -35,6 +35,8 @@ pub struct PipeFitting {
     pub diameter: f64,
     /// Mach number M of the mean flow at the outlet.
     pub outlet_mach: f64,
+    /// Temperature of the gas inside \[K\]; `None` for the stagnation temperature of the outflow.
+    pub temperature: Option<f64>,
 }
 
 /// A pipe fitting with the gas inside it, in the air outside.
@@ -42,20 +44,21 @@ pub struct PipeFitting {
 pub struct FilledFitting {
     /// The pipe.
     pub pipe: PipeFitting,
-    /// The gas of the outflow, at its stagnation temperature and ambient pressure.
+    /// The gas inside, at ambient pressure.
     pub gas: Air,
     /// The ambient air.
     pub outside: Air,
 }
 
 impl PipeFitting {
-    /// The pipe with gas of the outflow's stagnation `temperature` \[K\], in the air `outside`. The flow in the pipe is
-    /// slow, so that its temperature is that of stagnation.
+    /// The pipe in the air `outside`, with gas of its own temperature or of the `outflow`'s stagnation temperature \[K\].
+    /// The flow in the pipe is slow, so that its temperature is that of stagnation.
     ///
     /// # Errors
     /// Dimensions or a temperature that are not positive, a Mach number outside 0 to 1.
-    pub fn filled(&self, temperature: f64, outside: &Air) -> Result<FilledFitting, InputError> {
+    pub fn filled(&self, outflow: f64, outside: &Air) -> Result<FilledFitting, InputError> {
         self.check()?;
+        let temperature = self.temperature.unwrap_or(outflow);
         Ok(FilledFitting {
             pipe: *self,
             gas: outside.in_state(temperature, outside.pressure)?,

@@ -25,6 +25,7 @@ fn fitting(length: f64, diameter: f64, outlet_mach: f64) -> FilledFitting {
             length,
             diameter,
             outlet_mach,
+            temperature: None,
         },
         gas: air(),
         outside: air(),
@@ -218,6 +219,7 @@ fn cold_gas_resonates_as_a_quarter_wave_of_its_own_sound_speed() {
         length: 0.12,
         diameter: 0.004,
         outlet_mach: 1e-4,
+        temperature: None,
     };
     let cold = pipe.filled(245.0, &Air::default()).unwrap();
     let sound_speed = (1.4 * 287.052_874 * 245.0_f64).sqrt();
@@ -236,11 +238,26 @@ fn the_default_fitting_moves_with_the_root_of_the_temperature() {
 }
 
 #[test]
+fn a_pipe_of_its_own_temperature_is_filled_with_gas_of_it() {
+    let air = Air::default();
+    let pipe = PipeFitting {
+        temperature: Some(293.15),
+        ..fitting(0.12, 0.078, 0.04).pipe
+    };
+    let free = fitting(0.12, 0.078, 0.04).pipe;
+    assert_eq!(
+        pipe.filled(245.0, &air).unwrap().gas,
+        free.filled(293.15, &air).unwrap().gas
+    );
+}
+
+#[test]
 fn a_short_pipe_of_cold_gas_radiates_as_the_monopole_in_the_air_outside() {
     let cold = PipeFitting {
         length: 1e-12,
         diameter: 0.01,
         outlet_mach: 0.0,
+        temperature: None,
     }
     .filled(245.0, &Air::default())
     .unwrap();
@@ -254,6 +271,7 @@ fn what_enters_a_cold_pipe_is_radiated_into_the_air_or_absorbed_by_its_jet() {
         length: 0.12,
         diameter: 0.078,
         outlet_mach: 0.04,
+        temperature: None,
     }
     .filled(245.0, &Air::default())
     .unwrap();

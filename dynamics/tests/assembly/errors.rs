@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nailnoise_documents::Document;
-use nailnoise_dynamics::network::{AssemblyError, AssemblyText, Resolved};
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Resolved};
 
 use crate::common;
 use crate::keys::keys;
@@ -368,4 +368,19 @@ fn what_is_no_file_or_no_toml_is_refused() {
         let error = open(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
         assert!(error.to_string().contains(part), "{text}: {error}");
     }
+}
+
+/// The N80CB without the values of its design.
+#[test]
+fn a_key_without_a_value_is_asked_for_with_the_design_that_has_it() {
+    let document = Document::new(Path::new("own.toml"), "[cycle]\nassembly = \"n80cb\"\n");
+    let values = std::collections::BTreeMap::<String, KeyValue>::new();
+    let error = AssemblyText::open(&document)
+        .and_then(|text| text.resolve(&values))
+        .expect_err("accepted");
+    let message = format!("{error}; {}", error.help());
+    assert!(
+        message.contains("has no value; give it, or the design that has it, as base ="),
+        "{message}"
+    );
 }

@@ -442,6 +442,12 @@ impl<'a> Resolver<'a> {
 
     /// The error for a name without a meaning.
     fn unknown(&self, name: &str, wanted: &str, mut known: Vec<String>) -> Trouble {
+        if self.text.kind(name).is_some() {
+            return Trouble::here(
+                format!("the key `{name}` has no value"),
+                "give it, or the design that has it, as base = \"designs/n80cb.toml\"",
+            );
+        }
         known.extend(self.known());
         let near = nailnoise_documents::nearest(known.iter().map(String::as_str), name);
         let help = match near {

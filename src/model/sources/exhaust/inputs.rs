@@ -12,7 +12,7 @@ use super::super::housing::sound::NAME as HOUSING;
 use super::sound::{ExhaustOutlet, Muffler, NoisyOpening, Openings, round};
 use crate::design::inputs::air;
 use crate::design::inputs::microphones::{on_axis, tool_height};
-use crate::design::{self, Convention, Design, FittingKind, MufflerKind, VentSource};
+use crate::design::{self, Convention, Design, FittingGas, FittingKind, MufflerKind, VentSource};
 use crate::error::Error;
 use crate::stages::cycle::Engine;
 use crate::stages::microphones::JetOutlet;
@@ -110,6 +110,10 @@ fn exhaust(design: &Design) -> Result<ExhaustOutlet, Error> {
             length: own.fitting.length,
             diameter: own.fitting.diameter,
             outlet_mach: own.fitting.outlet_mach,
+            temperature: match own.fitting.gas {
+                FittingGas::Outflow => None,
+                FittingGas::Ambient => Some(design.ambient.temperature),
+            },
         }),
         muffler: muffler(&own.muffler)?,
     })

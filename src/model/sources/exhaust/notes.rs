@@ -72,8 +72,12 @@ pub(super) fn methods(
         let limit = fitting
             .filled(temperature, &openings.air)
             .map_or(f64::NAN, |filled| filled.plane_wave_limit());
+        let (gas, temperature) = match fitting.temperature {
+            Some(own) => ("air", own),
+            None => ("the outflow's gas", temperature),
+        };
         notes.push(format!(
-            "exhaust fitting: plane waves up to {limit:.0} Hz in the outflow's gas at {temperature:.0} K, between \
+            "exhaust fitting: plane waves up to {limit:.0} Hz in {gas} at {temperature:.0} K, between \
              choked holes and an open end that its jet damps; above, the outflow radiates as if there were no \
              fitting. The jets of the holes are not filtered; the uncertainty of the level holds the case that they \
              are"
