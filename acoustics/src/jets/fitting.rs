@@ -51,7 +51,7 @@ pub struct FilledFitting {
 }
 
 impl PipeFitting {
-    /// The pipe in the air `outside`, with gas of its own temperature or of the `outflow`'s stagnation temperature \[K\].
+    /// The pipe in the air `outside`, with gas of its own temperature or of the stagnation temperature `outflow` \[K\].
     /// The flow in the pipe is slow, so that its temperature is that of stagnation.
     ///
     /// # Errors

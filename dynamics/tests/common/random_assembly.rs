@@ -37,9 +37,9 @@ pub(crate) fn first_seed() -> u64 {
     given.and_then(|text| text.parse().ok()).unwrap_or(0)
 }
 
-/// The text of a random assembly: volumes (in one of six texts none), bodies with balanced faces, passages of all kinds with their options,
-/// contacts, springs, friction, a trigger and events; formulas over a key; blocks that an `if` switches; a fastener
-/// with a blow.
+/// The text of a random assembly: volumes (none in one of six texts), bodies with balanced faces, passages of all kinds
+/// with their options, contacts, springs, friction, a trigger and events; formulas over a key; blocks that an `if`
+/// switches; a fastener with a blow.
 pub(crate) fn random_assembly(random: &mut Random) -> String {
     let (volumes, bodies) = (random.below(6), random.below(4));
     let mut text = String::from(

@@ -89,8 +89,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The side and position of the stop that the contact is to the motion of `body` relative to `base` \[m\]; a contact
-    /// that is given the other way around is the same stop, seen from the other side.
+    /// The side and position of the stop that the contact is to the motion of `body` relative to `base` \[m\]. A
+    /// contact that is given the other way around is the same stop, seen from the other side.
     pub fn limit(&self, body: usize, base: Base) -> Option<(Stop, f64)> {
         if (self.on, self.against) == (body, base) {
             return Some((self.stop, self.at));
