@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use nailnoise_documents::Document;
-use nailnoise_dynamics::network::{AssemblyError, AssemblyText, BUILT_IN, KeyValue, Literal};
+use nailnoise_documents::{Document, Place};
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, BUILT_IN, Fault, KeyValue, Literal};
 use nailnoise_quantities::dimension::{DAMPING, NUMBER, STIFFNESS};
 use nailnoise_quantities::{Dimension, Group as _, Kind, Value};
 
@@ -341,8 +341,25 @@ impl AssemblyKeys {
 
     /// Whether the key or group of this name is read by the reader of the assembly.
     pub(super) fn covers(&self, name: &str) -> bool {
+        self.given && (matches!(name, "cycle" | "keys") || self.declared.contains(name)) || self.is_group(name)
+    }
+
+    /// Whether this is a group of keys that the assembly declares.
+    pub(super) fn is_group(&self, name: &str) -> bool {
         let group = format!("{name}.");
-        self.given && (matches!(name, "cycle" | "keys") || self.declared.contains(name))
-            || self.declared.iter().any(|key| key.starts_with(&group))
+        self.declared.iter().any(|key| key.starts_with(&group))
+    }
+
+    /// The error of a key in such a group that the assembly does not declare.
+    pub(super) fn undeclared(&self, key: &str, at: Box<Place>) -> DesignError {
+        refused(AssemblyError {
+            path: key.to_owned(),
+            fault: Fault::Undeclared {
+                key: key.to_owned(),
+                known: self.declared.iter().cloned().collect(),
+            },
+            at,
+            changes: Box::default(),
+        })
     }
 }

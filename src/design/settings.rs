@@ -181,7 +181,7 @@ impl Reader<'_> {
                 }
             } else if self.own.covers(&full) {
                 // Read with the assembly, which may declare a key of the name of a derived quantity.
-                continue;
+                self.check_declared(&full, key.span(), value)?;
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);
             } else if let Some(successors) = successors(&full) {
@@ -192,6 +192,19 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Checks that a group of an assembly contains only keys that it declares.
+    fn check_declared(&self, full: &str, span: Range<usize>, value: &Spanned<DeValue<'_>>) -> Result<(), DesignError> {
+        if !self.own.covers(full) {
+            return Err(self.own.undeclared(full, self.file.place(span)));
+        }
+        match value.get_ref() {
+            DeValue::Table(table) if self.own.is_group(full) => table
+                .iter()
+                .try_for_each(|(key, value)| self.check_declared(&dotted(full, key.get_ref()), key.span(), value)),
+            _ => Ok(()),
+        }
     }
 
     fn table<'t, 'i>(

@@ -152,3 +152,103 @@ fn a_name_with_a_meaning_in_formulas_is_refused() {
         "{error}"
     );
 }
+
+fn refusal(blocks: &str) -> String {
+    let error = resolved(blocks).err().unwrap_or_else(|| panic!("accepted: {blocks}"));
+    format!("{error}; {}", error.help())
+}
+
+/// A vessel with a port, and a body between two stops.
+const PORT: &str = r#"volume.vessel = { dead = "5 cm3", pressure = "6 barg" }
+volume.second = { dead = "5 cm3", pressure = "1 barg" }
+passage.inner = { between = ["vessel", "second"], area = "1 mm2" }
+passage.port = { between = ["second", "atmosphere"], area = "1 mm2" }
+opening.port.passage = "port"
+"#;
+
+#[test]
+fn an_opening_leads_to_the_atmosphere_and_is_the_only_one_of_its_passage() {
+    assert!(resolved(PORT).is_ok());
+    for (from, to, part) in [
+        (
+            "passage = \"port\"",
+            "passage = \"inner\"",
+            "no passage to the atmosphere; there are: port",
+        ),
+        (
+            "opening.port",
+            "opening.again.passage = \"port\"\nopening.port",
+            "the noise of \"port\", as the opening \"again\" does",
+        ),
+        (
+            "\"atmosphere\"], area",
+            "\"atmosphere\"], silent = true, area",
+            "more than one of silent = true, an opening",
+        ),
+        (
+            "passage = \"port\"",
+            "passage = \"port\"\nopening.port.count = 2.5",
+            "allowed is a whole number",
+        ),
+    ] {
+        let message = refusal(&PORT.replace(from, to));
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn a_body_starts_outside_its_stops_and_rests_on_its_own() {
+    let at = |start: &str| {
+        SHUTTLE.replace(
+            "body.shuttle.mass = \"50 g\"",
+            &format!(
+                "body.shuttle = {{ mass = \"50 g\", start = {start} }}\nbody.other.mass = \"50 g\"\n\
+                      contact.c = {{ on = \"other\", stop = \"below\", stiffness = \"1 kN/mm\" }}"
+            ),
+        )
+    };
+    assert!(resolved(&at("{ travel = \"24.1 mm\" }")).is_ok());
+    let message = refusal(&at("{ travel = \"60 mm\" }"));
+    assert!(
+        message.contains("starts 36.000 mm inside the stop \"b\", which stores 648 J"),
+        "{message}"
+    );
+    let message = refusal(&at("{ rest_on = \"c\" }"));
+    assert!(
+        message.contains("no contact or spring of this body; did you mean \"a\"? there are: a, b"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_pressure_of_the_atmosphere_and_of_a_formula_is_absolute() {
+    let gauge = HEAD.replace("101.325 kPa", "0 barg");
+    let document = Document::new(Path::new("own.toml"), &format!("{gauge}{PORT}"));
+    let error = AssemblyText::open(&document)
+        .and_then(|text| text.resolve(&BTreeMap::<String, KeyValue>::new()))
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("gauge pressures are relative to this pressure"),
+        "{error}"
+    );
+    let message = refusal(&PORT.replace("\"6 barg\"", "\"=1 bar + 6 barg\""));
+    assert!(message.contains("`6 barg` is relative to the atmosphere"), "{message}");
+}
+
+#[test]
+fn a_value_may_be_a_formula_without_a_range() {
+    let own = |value: &str| {
+        PORT.replace(
+            "volume.vessel = { dead = \"5 cm3\"",
+            &format!("let.box = \"5 cm3\"\nvolume.vessel = {{ dead = {value}"),
+        )
+    };
+    let assembly = resolved(&own("{ value = \"=2*box\", provenance = \"estimated\" }"))
+        .unwrap()
+        .assembly;
+    assert!((assembly.volumes[0].dead - 10e-6).abs() < 1e-18);
+    let message = refusal(&own("{ value = \"=2*box\", range = \"5 .. 15 cm3\" }"));
+    assert!(message.contains("more than one of a formula, range"), "{message}");
+}

@@ -116,3 +116,32 @@ fn a_tool_that_is_not_seated_names_the_force_that_lifts_it() {
         );
     }
 }
+
+/// A name that a file removes is no spelling mistake.
+#[test]
+fn a_reference_to_what_a_file_removes_names_the_removal() {
+    for (changes, line) in [
+        (
+            "[cycle.contact]\nbumper = false",
+            "own.toml, line 4, removes `cycle.contact.bumper`",
+        ),
+        ("[cycle.let]\nCd = false", "own.toml, line 4, removes `cycle.let.Cd`"),
+        (
+            "[cycle.trigger]\nreleased = false",
+            "changed at own.toml, line 4, by `cycle.trigger.released`",
+        ),
+    ] {
+        let (message, _) = refusal(changes);
+        assert!(message.contains(line), "{message}");
+    }
+}
+
+#[test]
+fn a_removal_of_what_does_not_exist_is_refused() {
+    let (message, error) = refusal("[cycle.contact]\nbumpr = false");
+    assert!(
+        message.contains("no contact that `false` could remove; did you mean \"bumper\"?"),
+        "{message}"
+    );
+    assert_eq!((error.at.file(), error.at.line()), ("own.toml", 4));
+}

@@ -7,7 +7,7 @@ use super::formula::{Term, parse};
 use super::layers::AssemblyText;
 use super::named::NamedInTexts;
 use super::names::CHANNELS;
-use super::node::{Entry, Node, Spot, Tree};
+use super::node::{Entry, Node, Removed, Spot, Tree};
 use crate::network::assembly::{Assembly, Base, BlockRef, Family, Opens, Space};
 use crate::network::error::RunError;
 
@@ -109,6 +109,17 @@ impl<'n> Part<'n> {
         let all = all.filter(|(.., on, against)| is_own(*on, *against));
         parts.extend(all.map(|(family, name, ..)| Self::new(family, name, &[])));
         parts
+    }
+
+    /// What determines where a body starts: itself and its stops.
+    pub(super) fn of_start(assembly: &'n Assembly, index: usize) -> Vec<Self> {
+        let Some(body) = assembly.bodies.get(index) else {
+            return Vec::new();
+        };
+        let own = Self::new(Family::Body, &body.name, &["parent", "start"]);
+        std::iter::once(own)
+            .chain(Self::stops(assembly, index, body.parent))
+            .collect()
     }
 
     /// What determines the areas on which gas pushes a body.
@@ -227,6 +238,20 @@ impl AssemblyText {
             }
         }
         Changes(search.found)
+    }
+
+    /// The change by which a file removes the block or name of `[cycle.let]` that a channel or word begins with.
+    pub(super) fn removal(&self, name: &str) -> Option<Change> {
+        let own = name.split(['.', ' ']).next()?;
+        let is_own = |removed: &&Removed| {
+            let mut words = removed.path.split('.').skip(2);
+            words.next() == Some(own) && words.next().is_none()
+        };
+        let removed = self.removed.iter().find(is_own)?;
+        Some(Change {
+            path: removed.path.clone(),
+            at: self.sources.place(&removed.spot),
+        })
     }
 
     fn entry(&self, table: &str, name: &str) -> Option<&Entry> {

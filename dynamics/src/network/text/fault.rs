@@ -79,7 +79,7 @@ pub enum Fault {
         known: Vec<String>,
     },
     /// Unknown field.
-    #[error("is not a field of a {owner}")]
+    #[error("is not a field of {}", with_article(owner))]
     UnknownField {
         /// Family or table.
         owner: String,
@@ -191,7 +191,7 @@ pub enum Fault {
         channels: Vec<String>,
     },
     /// Two blocks have the same name.
-    #[error("has the name of a {other}")]
+    #[error("has the name of {}", with_article(other))]
     DuplicateName {
         /// Family of the other block.
         other: String,
@@ -285,6 +285,24 @@ pub enum Fault {
         differences: Vec<String>,
         /// Terms that correct it; empty if no term does.
         remedies: Vec<String>,
+    },
+    /// Two openings make the noise of one passage.
+    #[error("makes the noise of \"{passage}\", as the opening \"{other}\" does")]
+    TwoOpenings {
+        /// Passage.
+        passage: String,
+        /// The other opening.
+        other: String,
+    },
+    /// A body starts deep inside a stop.
+    #[error("starts {:.3} mm inside the stop \"{stop}\", which stores {energy:.0} J", overlap * 1e3)]
+    InsideStop {
+        /// Contact.
+        stop: String,
+        /// Overlap at the start \[m\].
+        overlap: f64,
+        /// Energy of the contact \[J\].
+        energy: f64,
     },
     /// A spring is compressed beyond the range of its law.
     #[error(
@@ -396,7 +414,13 @@ impl Fault {
                  `diameter` is that of one of several equal holes"
                     .to_owned()
             }
-            Self::SelfLoop { .. } => "name two spaces in `between`".to_owned(),
+            Self::SelfLoop { .. } => "name two different spaces or bodies".to_owned(),
+            Self::TwoOpenings { .. } => {
+                "remove one of them; `count` is the number of equal holes of an opening".to_owned()
+            }
+            Self::InsideStop { .. } => {
+                "let it start outside the stop, or rest on it as start = { rest_on = \"NAME\" }".to_owned()
+            }
             Self::Circle { .. } => "break the circle: one of them must be given by other quantities".to_owned(),
             Self::NoAtmosphere => {
                 "add it, as [cycle.reservoir.atmosphere] with pressure = \"101.325 kPa\" and temperature = \"20 degC\""
@@ -422,6 +446,16 @@ impl Fault {
     }
 }
 
+/// A noun with its indefinite article.
+pub(super) fn with_article(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o']) {
+        "an"
+    } else {
+        "a"
+    };
+    format!("{article} {noun}")
+}
+
 /// The words of a block, as a statement.
 fn logged(known: &[String]) -> String {
     match known {
@@ -434,5 +468,8 @@ fn logged(known: &[String]) -> String {
 fn choose(name: &str, known: &[String], introduction: &str) -> String {
     let near = nearest(known.iter().map(String::as_str), name);
     let near = near.map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
+    if known.is_empty() {
+        return "there is none: add one, or remove this reference".to_owned();
+    }
     format!("{near}{introduction} {}", known.join(", "))
 }

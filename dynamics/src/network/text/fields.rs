@@ -3,7 +3,7 @@
 use nailnoise_quantities::{Held, Kind, Value};
 
 use super::compile::{Compiled, Word};
-use super::fault::{AssemblyError, Fault};
+use super::fault::{AssemblyError, Changes, Fault, with_article};
 use super::layers::dotted;
 use super::node::{Node, Spot, Tree};
 use super::resolver::{KeyScope, Resolver};
@@ -32,9 +32,17 @@ impl<'r, 'a> Fields<'r, 'a> {
     ) -> Result<Self, AssemblyError> {
         let owner = table.name;
         if !node.is_table() {
-            let fault = Fault::Kind {
-                found: node.found(),
-                expected: format!("the fields of a {owner}"),
+            let words: Vec<&str> = path.split('.').collect();
+            let fault = match (words.as_slice(), &node.value) {
+                ([_, table, name], Tree::Flag(false)) => Fault::UnknownName {
+                    name: (*name).to_owned(),
+                    wanted: format!("{owner} that `false` could remove"),
+                    known: resolver.names.others_of(table, name),
+                },
+                _ => Fault::Kind {
+                    found: node.found(),
+                    expected: format!("the fields of {}", with_article(owner)),
+                },
             };
             return Err(resolver.error(&path, &node.spot, fault));
         }
@@ -73,9 +81,17 @@ impl<'r, 'a> Fields<'r, 'a> {
         &self.node.get(key).unwrap_or(self.node).spot
     }
 
-    /// An error of a field.
+    /// An error of a field; if it names what a file removes, with that removal.
     pub(super) fn error(&self, key: &str, fault: Fault) -> AssemblyError {
-        self.resolver.error(&self.full(key), self.spot(key), fault)
+        let removal = match &fault {
+            Fault::UnknownName { name, .. } => self.resolver.text.removal(name),
+            Fault::UnknownWord { word, .. } => self.resolver.text.removal(word),
+            _ => None,
+        };
+        AssemblyError {
+            changes: Box::new(Changes(removal.into_iter().collect())),
+            ..self.resolver.error(&self.full(key), self.spot(key), fault)
+        }
     }
 
     /// An error of this block and `others`, which refer to each other in a circle by the field `key`. It is placed in

@@ -67,6 +67,13 @@ impl<'a> Names<'a> {
             .map(|block| block.block.index)
     }
 
+    /// Names of the other blocks of the family of a table.
+    pub(super) fn others_of(&self, table: &str, name: &str) -> Vec<String> {
+        let of_table = self.blocks.iter().filter(|own| family_name(own.block.family) == table);
+        let names = of_table.map(|own| own.name.to_owned());
+        names.filter(|own| own != name).collect()
+    }
+
     /// Names of the blocks of some families.
     pub(super) fn of(&self, families: &[Family]) -> Vec<String> {
         let of = self

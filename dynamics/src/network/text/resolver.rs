@@ -3,11 +3,11 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use nailnoise_quantities::dimension::NUMBER;
+use nailnoise_quantities::dimension::{NUMBER, PRESSURE};
 use nailnoise_quantities::{Dimension, Kind, any};
 
 use super::compile::{Branch, Compiled, Scalar, Scope, Trouble, Word, compile};
-use super::fault::{AssemblyError, Fault};
+use super::fault::{AssemblyError, Change, Fault};
 use super::formula::parse;
 use super::keys::{KeyValue, Keys};
 use super::layers::{AssemblyText, dotted};
@@ -183,7 +183,12 @@ impl<'a> Resolver<'a> {
     /// The number at a node: a formula over keys or a literal.
     pub(super) fn quantity(&self, path: &str, node: &Node, kind: Kind) -> Result<f64, AssemblyError> {
         let expected = dimension(kind);
-        let scalar = match node.text().and_then(|text| text.strip_prefix('=')) {
+        let text = node.get("value").unwrap_or(node).text();
+        let scalar = match text.and_then(|text| text.strip_prefix('=')) {
+            Some(_) if node.get("range").is_some() => {
+                let fields = ["a formula", "range"].map(str::to_owned).to_vec();
+                return Err(self.error(path, &node.spot, Fault::Exclusive { fields }));
+            }
             Some(formula) => match self.formula(path, node, formula, &KeyScope(self))? {
                 Compiled::Scalar(scalar) => scalar,
                 other => {
@@ -261,12 +266,17 @@ impl<'a> Resolver<'a> {
     /// Pressure of the atmosphere, to which gauge pressures refer \[Pa\].
     fn ambient_pressure(&self, path: &str, node: &Node) -> Result<f64, AssemblyError> {
         const ATMOSPHERE: &str = "cycle.reservoir.atmosphere.pressure";
-        let value = if path == ATMOSPHERE {
-            Ok(None)
-        } else {
-            self.named(ATMOSPHERE)
-        };
-        let pressure = value.map_err(|trouble| self.placed(path, node, trouble))?;
+        if path == ATMOSPHERE {
+            let fault = Fault::Literal {
+                text: node.get("value").unwrap_or(node).text().unwrap_or_default().to_owned(),
+                problem: "gauge pressures are relative to this pressure".to_owned(),
+                units: PRESSURE.examples(),
+            };
+            return Err(self.error(path, &node.spot, fault));
+        }
+        let pressure = self
+            .named(ATMOSPHERE)
+            .map_err(|trouble| self.placed(path, node, trouble))?;
         match pressure {
             Some(Compiled::Scalar(scalar)) => Ok(scalar.number().unwrap_or(f64::NAN)),
             _ => Err(self.error(path, &node.spot, Fault::NoAtmosphere)),
@@ -446,6 +456,16 @@ impl<'a> Resolver<'a> {
             return Trouble::here(
                 format!("the key `{name}` has no value"),
                 "give it, or the design that has it, as base = \"designs/n80cb.toml\"",
+            );
+        }
+        if let Some(Change { path, at }) = self.text.removal(name) {
+            return Trouble::here(
+                format!(
+                    "`{name}` is no {wanted}: {}, line {}, removes `{path}`",
+                    at.file(),
+                    at.line()
+                ),
+                "change this formula as well, or keep what it names",
             );
         }
         known.extend(self.known());

@@ -6,7 +6,7 @@ use super::list::each;
 use super::mechanics::WIDTH;
 use super::tables::fastener::{FASTENER, IMPACTS, LAW_KINDS, LEAVES, LawKind};
 use crate::network::assembly::{Base, Body, Family, Fastener, FastenerLaw, Seated, WoodLaw};
-use crate::network::text::fault::AssemblyError;
+use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
 use crate::network::text::resolver::Resolver;
 
@@ -15,10 +15,15 @@ pub(super) fn fasteners(resolver: &Resolver<'_>, bodies: &[Body]) -> Result<Vec<
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let law = fields.table("law")?.ok_or_else(|| fields.missing("law"))?;
         let driver = fields.index("driver", Family::Body, "body")?;
+        let into = fields.base("into")?.ok_or_else(|| fields.missing("into"))?;
+        if into == Base::Body(driver) {
+            let space = fields.text("into")?.unwrap_or_default().to_owned();
+            return Err(fields.error("into", Fault::SelfLoop { space }));
+        }
         Ok(Fastener {
             name: name.to_owned(),
             driver,
-            into: fields.base("into")?.ok_or_else(|| fields.missing("into"))?,
+            into,
             guide: fields.base("guide")?.unwrap_or(Base::Ground),
             head_at: fields.required("head_at")?,
             tip_at: fields.required("tip_at")?,

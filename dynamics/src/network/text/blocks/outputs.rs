@@ -3,6 +3,7 @@
 use nailnoise_quantities::dimension::{FORCE, LENGTH};
 
 use super::events::{Measured, dimensions, expect, expression};
+use super::gas::reaches_atmosphere;
 use super::list::{entries, of_named};
 use super::tables::outputs::{LOAD, OPENING, PRESSURE};
 use crate::network::assembly::{Family, Load, Opening, Opens, Passage, PressurePatch, PressureSurface};
@@ -17,7 +18,7 @@ const AREA_TOLERANCE: f64 = 0.01;
 const BODY: (Family, &str) = (Family::Body, "body");
 
 pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Opening>, AssemblyError> {
-    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+    let read = |(name, fields): (&str, &Fields<'_, '_>)| {
         let passage = fields.index("passage", Family::Passage, "passage")?;
         let names: Vec<String> = passages
             .get(passage)
@@ -40,7 +41,12 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
                 fields.error("restriction", fault)
             })?,
         };
+        is_audible(resolver, fields, passages, passage)?;
         let count = fields.or("count", 1.0)?;
+        if count.fract() != 0.0 {
+            let allowed = "a whole number".to_owned();
+            return Err(fields.error("count", Fault::Domain { value: count, allowed }));
+        }
         let constant = passages
             .get(passage)
             .and_then(|passage| match passage.restrictions.get(restriction)?.opens {
@@ -74,23 +80,68 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
             count,
             area,
             pitch: fields.quantity("pitch")?,
-            outlet: outlet(&fields)?,
+            outlet: outlet(fields)?,
         })
     };
-    entries(resolver, "opening", &OPENING)?.into_iter().map(read).collect()
+    let blocks = entries(resolver, "opening", &OPENING)?;
+    let mut openings: Vec<Opening> = Vec::with_capacity(blocks.len());
+    for (name, fields) in blocks {
+        let opening = read((name, &fields))?;
+        if let Some(other) = openings.iter().find(|other| other.passage == opening.passage) {
+            let fault = Fault::TwoOpenings {
+                passage: passages[opening.passage].name.clone(),
+                other: other.name.clone(),
+            };
+            return Err(fields.error("passage", fault));
+        }
+        openings.push(opening);
+    }
+    Ok(openings)
+}
+
+/// Checks that the passage of an opening leads to the atmosphere and is not silent.
+fn is_audible(
+    resolver: &Resolver<'_>,
+    fields: &Fields<'_, '_>,
+    passages: &[Passage],
+    index: usize,
+) -> Result<(), AssemblyError> {
+    let Some(passage) = passages.get(index) else {
+        return Ok(());
+    };
+    if passage.silent {
+        let found = ["silent = true", "an opening"].map(str::to_owned).to_vec();
+        return Err(fields.error("passage", Fault::Exclusive { fields: found }));
+    }
+    if reaches_atmosphere(resolver, passage) {
+        return Ok(());
+    }
+    let outward = passages.iter().filter(|own| reaches_atmosphere(resolver, own));
+    Err(fields.error(
+        "passage",
+        Fault::UnknownName {
+            name: passage.name.clone(),
+            wanted: "passage to the atmosphere".to_owned(),
+            known: outward.map(|own| own.name.clone()).collect(),
+        },
+    ))
 }
 
 fn outlet(fields: &Fields<'_, '_>) -> Result<Option<String>, AssemblyError> {
     let Some(text) = fields.text("outlet")? else {
         return Ok(None);
     };
-    let group = text
-        .strip_prefix('=')
-        .map(str::trim)
-        .filter(|group| fields.resolver.has_group(group));
-    group
-        .map(|group| Some(group.to_owned()))
-        .ok_or_else(|| fields.wrong("outlet", &fields.expected("outlet")))
+    let group = text.strip_prefix('=').map(str::trim);
+    let group = group.ok_or_else(|| fields.wrong("outlet", &fields.expected("outlet")))?;
+    if fields.resolver.has_group(group) {
+        return Ok(Some(group.to_owned()));
+    }
+    let fault = Fault::Formula {
+        formula: text.to_owned(),
+        problem: format!("no key of `{group}` has a value"),
+        help: "name the design that has them, as base = \"designs/n80cb.toml\", or leave the outlet out".to_owned(),
+    };
+    Err(fields.error("outlet", fault))
 }
 
 pub(super) fn loads(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<Load>, AssemblyError> {

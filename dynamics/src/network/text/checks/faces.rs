@@ -19,7 +19,7 @@ pub(super) fn balance(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<()
                 .faces
                 .iter()
                 .filter(|face| face.body == index && face.push == push);
-            of.map(|face| face.area).sum()
+            of.fold(0.0, |sum, face| sum + face.area)
         };
         let (down, up) = (area(Push::Down), area(Push::Up));
         let is_allowed = allowed.get(index).copied().unwrap_or(false);

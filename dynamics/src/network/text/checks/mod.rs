@@ -5,6 +5,7 @@ mod loads;
 mod passages;
 mod place;
 mod springs;
+mod starts;
 mod volumes;
 
 use super::fault::AssemblyError;
@@ -14,6 +15,7 @@ use crate::network::assembly::Assembly;
 /// Checks all laws; the first that is violated is the error.
 pub(super) fn run(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     faces::balance(resolver, assembly)?;
+    starts::are_possible(resolver, assembly)?;
     volumes::are_reachable(resolver, assembly)?;
     volumes::do_not_collapse(resolver, assembly)?;
     passages::are_heard(resolver, assembly)?;

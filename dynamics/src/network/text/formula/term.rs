@@ -50,6 +50,8 @@ pub(in crate::network::text) enum SyntaxError {
     End(&'static str),
     #[error("`{0}` is not a unit")]
     Unit(String),
+    #[error("`{0}` is relative to the atmosphere; write the sum, as ambient.pressure + 6 bar")]
+    Gauge(String),
     #[error("`{0}` is not a finite number")]
     Number(String),
     #[error("`{0}` is not a function; there are disc, sqrt, exp, sin, cos, tan, min, max, abs, if")]

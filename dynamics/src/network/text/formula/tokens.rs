@@ -94,9 +94,11 @@ fn number(text: &str) -> Result<(Token, usize), SyntaxError> {
     let whole = text[..end + unit].trim();
     let dimension =
         Dimension::of_unit(&text[end..end + unit]).map_err(|_| SyntaxError::Unit(text[end..end + unit].to_owned()))?;
-    let si = quantity(whole, dimension, false)
-        .map_err(|_| SyntaxError::Number(whole.to_owned()))?
-        .si;
+    let read = quantity(whole, dimension, true).map_err(|_| SyntaxError::Number(whole.to_owned()))?;
+    if read.gauge {
+        return Err(SyntaxError::Gauge(whole.to_owned()));
+    }
+    let si = read.si;
     let token = Token::Number {
         si,
         dimension,

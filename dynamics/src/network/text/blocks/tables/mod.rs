@@ -151,7 +151,7 @@ pub const CYCLE: TableSpec = TableSpec::of(
         ),
         quantity(
             "end",
-            positive(TIME).within(1e-6, 100.0),
+            positive(TIME).within(1e-6, 10.0),
             "\"100 ms\"",
             "end of the cycle",
         ),
