@@ -112,7 +112,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
         return match &arguments.drawing {
             Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),
-            None => super::assembly::check(&tool, path, arguments.json, arguments.shown),
+            None => {
+                let status = super::assembly::check(&tool, path, arguments.json, arguments.shown)?;
+                tool.check_start()?;
+                Ok(status)
+            }
         };
     }
     let design = arguments.input.whole_design()?;

@@ -351,3 +351,19 @@ fn commands_refuse_alike_what_an_assembly_does_not_follow() {
         }
     }
 }
+
+/// `check` refuses a tool that cannot start, after its tables, which help to find out why.
+#[test]
+fn check_refuses_a_tool_that_is_not_seated() {
+    let folder = folder("assembly/unseated");
+    let design = over(&folder, "light", "[cycle]\n[cycle.force.hand]\nforce = \"-500 N\"\n");
+    let outputs = ["check", "cycle"].map(|command| nailnoise(&folder, &[command, &design]));
+    for output in &outputs {
+        let message = crate::common::messages(output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        for part in ["\"tool\" is not seated", "light.toml", "`cycle.force.hand.force`"] {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+    assert!(!outputs[0].stdout.is_empty());
+}

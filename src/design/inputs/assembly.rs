@@ -17,6 +17,9 @@ use crate::stages::cycle::{AssembledCycle, BlockPlaces, Engine, TOOL, WORKPIECE}
 /// The design whose mean density gives the volume of a housing without dimensions.
 const REFERENCE: &str = "n80cb.toml";
 
+/// A time in which no block changes its state \[s\].
+const START: f64 = 1e-6;
+
 /// A tool that a file describes as an assembly.
 #[derive(Debug)]
 pub struct AssembledTool {
@@ -75,6 +78,23 @@ impl AssembledTool {
             has_design,
             warnings,
         }))
+    }
+
+    /// Checks that the cycle can start: its bodies have a place of rest, and its springs and volumes are within their
+    /// limits there.
+    ///
+    /// # Errors
+    /// Same as [`record`](Self::record).
+    pub fn check_start(&self) -> Result<(), Error> {
+        let mut assembly = self.resolved.assembly.clone();
+        assembly.end = START;
+        let numerics = Numerics {
+            sample_interval: None,
+            ..self.numerics
+        };
+        let start = network::simulate(&assembly, &numerics);
+        start.map_err(|error| self.text.placed(&assembly, error))?;
+        Ok(())
     }
 
     /// Computes the record.
