@@ -105,9 +105,7 @@ fn a_tool_that_is_not_seated_names_the_force_that_lifts_it() {
         let text = AssemblyText::open(&Document::new(Path::new("own.toml"), &file)).unwrap();
         let resolved = text.resolve(&keys(&common::n80cb()));
         let assembly = resolved.unwrap_or_else(|error| panic!("{error}")).assembly;
-        let error = simulate(&assembly, &Numerics::default())
-            .err()
-            .expect("the tool is lifted");
+        let error = simulate(&assembly, &Numerics::default()).expect_err("the tool is lifted");
         let message = text.placed(&assembly, error).to_string();
         let expected = format!("own.toml, line 4, by `{change}`");
         assert!(

@@ -231,7 +231,7 @@ impl AssemblyText {
         for removed in &self.removed {
             let mut names = NamedInTexts::default();
             names.add(&removed.node);
-            let own = removed.path.splitn(4, '.').nth(2).unwrap_or_default();
+            let own = removed.path.split('.').nth(2).unwrap_or_default();
             let concerns = parts.iter().any(|part| part.name == own || names.has_block(part.name));
             if search.is_nearer(&removed.spot) && concerns {
                 search.add(removed.path.clone(), &removed.spot);
