@@ -207,7 +207,8 @@ fn an_error_of_a_run_and_an_unused_block_are_shown_at_their_places() {
     ] {
         assert!(cycle.contains(part), "lacks {part}: {cycle}");
     }
-    let check = message(&["check", "lifted.toml"], 0);
+    let check = message(&["check", "lifted.toml"], 2);
+    assert!(check.contains("nothing presses \"nose\" at rest (-40.2 N)"), "{check}");
     assert!(check.contains("`cycle.trigger.pressed` has no effect"), "{check}");
     assert!(check.contains("open = { when = \"pressed\" }"), "{check}");
 }
