@@ -162,7 +162,7 @@ fn a_blow_gun_has_its_nozzle_as_the_only_source() {
 }
 
 /// A design of `designs/tools` on the bodies of the small design, with other values.
-fn shipped(name: &str, values: &str) -> Design {
+fn shipped_on_small_bodies(name: &str, values: &str) -> Design {
     let file = std::path::Path::new(ROOT).join("designs/tools").join(name);
     let own = std::fs::read_to_string(file).unwrap();
     let (_, own) = own.split_once("\nbase = \"../n80cb.toml\"\n").unwrap();
@@ -182,7 +182,7 @@ fn every_design_of_another_tool_reaches_its_ranking() {
     };
     for file in std::fs::read_dir(std::path::Path::new(ROOT).join("designs/tools")).unwrap() {
         let name = file.unwrap().file_name().into_string().unwrap();
-        let run = run(&shipped(&name, ""));
+        let run = run(&shipped_on_small_bodies(&name, ""));
         assert_eq!(
             (&sources(&run)[..], run.result.outcome.as_str()),
             expected(&name),
@@ -200,7 +200,7 @@ fn every_design_of_another_tool_reaches_its_ranking() {
 
 /// The rig over a block, with other values of its launch.
 fn rig(launch: &str) -> Design {
-    shipped("impact-rig.toml", &format!("[launch]\n{launch}"))
+    shipped_on_small_bodies("impact-rig.toml", &format!("[launch]\n{launch}"))
 }
 
 #[test]

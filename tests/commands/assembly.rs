@@ -352,7 +352,7 @@ fn commands_refuse_alike_what_an_assembly_does_not_follow() {
     }
 }
 
-/// `check` refuses a tool that cannot start, after its tables, which help to find out why.
+/// `check` prints its tables, then refuses a tool that cannot start.
 #[test]
 fn check_refuses_a_tool_that_is_not_seated() {
     let folder = folder("assembly/unseated");

@@ -238,7 +238,7 @@ fn the_default_fitting_moves_with_the_root_of_the_temperature() {
 }
 
 #[test]
-fn a_pipe_of_its_own_temperature_is_filled_with_gas_of_it() {
+fn a_given_temperature_of_the_gas_replaces_that_of_the_outflow() {
     let air = Air::default();
     let pipe = PipeFitting {
         temperature: Some(293.15),

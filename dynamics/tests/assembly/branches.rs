@@ -1,9 +1,9 @@
-//! Both branches of an `if` in a formula are checked; the keys of the one that is not selected have no effect.
+//! The reader checks both branches of an `if` in a formula. Keys of the unselected branch have no effect.
 
 use crate::errors::{changed, refused};
 
 #[test]
-fn the_branch_that_is_not_selected_is_checked() {
+fn the_unselected_branch_is_checked() {
     refused(&[
         (
             "[cycle.passage.leak]\narea = \"=if(piston.bore > 1 mm, 3 mm2, 4 mm)\"",
@@ -25,7 +25,7 @@ fn the_branch_that_is_not_selected_is_checked() {
 }
 
 #[test]
-fn a_word_that_a_key_cannot_be_is_refused_in_a_comparison() {
+fn a_comparison_with_a_word_outside_the_choices_of_a_key_is_refused() {
     refused(&[
         (
             "[cycle.passage.leak]\none_way = \"=model.gas == 'publisht'\"",
@@ -39,13 +39,13 @@ fn a_word_that_a_key_cannot_be_is_refused_in_a_comparison() {
 }
 
 #[test]
-fn a_branch_that_is_not_selected_has_no_effect() {
+fn the_unselected_branch_has_no_effect() {
     let area = |formula: &str| {
         let own = changed(&format!("[cycle.passage.leak]\narea = \"={formula}\""));
         own.unwrap_or_else(|error| panic!("{formula}: {error}"))
     };
     let plain = area("3 mm2");
-    // A number that is not finite, and a key that is not read elsewhere.
+    // The unselected branch divides by zero, or reads a key that no other formula reads.
     let infinite = area("if(piston.bore > 1 m, 3 mm2/(1 - 1), 3 mm2)");
     assert_eq!(plain.assembly, infinite.assembly);
     let key = "support.damping_ratio";
@@ -58,9 +58,9 @@ fn a_branch_that_is_not_selected_has_no_effect() {
     );
 }
 
-/// Two names that refer to each other through branches of which one at a time is selected.
+/// Two names refer to each other, each in a branch that the other does not select.
 #[test]
-fn names_may_refer_to_each_other_in_branches_of_which_one_is_selected() {
+fn mutual_references_are_allowed_if_an_unselected_branch_breaks_the_circle() {
     let text = "[cycle.let]\nown_a = \"=if(piston.bore > 1 mm, 3 mm2, own_b)\"\n\
                 own_b = \"=if(piston.bore > 1 mm, own_a, 2 mm2)\"\n[cycle.passage.leak]\narea = \"=own_b\"";
     assert!(changed(text).is_ok(), "{:?}", changed(text).err());

@@ -94,7 +94,7 @@ fn a_number_lies_within_its_range_and_the_range_within_the_domain() {
     }
 }
 
-/// A contact that the other body has is the same stop: the volume above the shuttle would vanish without it.
+/// A contact with its bodies exchanged is the same stop. Without it, the volume above the shuttle would vanish.
 #[test]
 fn a_stop_may_be_given_by_either_of_its_bodies() {
     let tool = "body.tool = { mass = \"1 kg\", start = { travel = \"0 mm\" } }\n";
@@ -145,7 +145,7 @@ fn pressures_of_own_keys_and_names_may_be_relative_to_the_atmosphere() {
 
 /// "pi" is a constant of formulas: an own value would have no effect.
 #[test]
-fn a_name_with_a_meaning_in_formulas_is_refused() {
+fn reserved_names_are_refused() {
     let error = resolved("let.pi = 3\n").unwrap_err();
     assert!(
         error.path == "cycle.let.pi" && error.help().contains("choose another name"),

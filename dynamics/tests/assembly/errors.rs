@@ -372,7 +372,7 @@ fn what_is_no_file_or_no_toml_is_refused() {
 
 /// The N80CB without the values of its design.
 #[test]
-fn a_key_without_a_value_is_asked_for_with_the_design_that_has_it() {
+fn the_remedy_for_a_key_without_a_value_is_a_base_design() {
     let document = Document::new(Path::new("own.toml"), "[cycle]\nassembly = \"n80cb\"\n");
     let values = std::collections::BTreeMap::<String, KeyValue>::new();
     let error = AssemblyText::open(&document)

@@ -1,4 +1,4 @@
-//! An error is placed in the block at fault, and names what the user's file changes of it.
+//! An error has the place of the block at fault and names the changes that the user's file makes to it.
 
 use std::path::Path;
 
@@ -90,9 +90,9 @@ fn a_fault_that_a_key_causes_names_the_key() {
     assert!(error.to_string().contains(expected), "{error}");
 }
 
-/// A run that cannot start names what the user's file changes of the forces on the body that is lifted.
+/// The error of a tool that a force lifts names the changes to the forces on its body.
 #[test]
-fn a_tool_that_is_not_seated_names_the_force_that_lifts_it() {
+fn the_error_of_an_unseated_tool_names_the_changed_force() {
     for (changes, change) in [
         ("[cycle.force.hand]\nforce = \"-500 N\"", "cycle.force.hand.force"),
         (
