@@ -533,13 +533,10 @@ impl Error {
             Self::Study(StudyError::NoLevels { .. }) => 3,
             Self::PythonEnded { .. } => 3,
             Self::Network(error) => match error.placed.error {
-                RunError::Integration { .. }
-                | RunError::Collapse { .. }
-                | RunError::Chatter { .. }
-                | RunError::Switching { .. } => 3,
+                RunError::Integration { .. } | RunError::Chatter { .. } => 3,
                 _ => 2,
             },
-            Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
+            Self::Cycle(CycleError::Integration { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nailnoise_documents::{Document, Place};
 use nailnoise_dynamics::network::{AssemblyError, AssemblyText, BUILT_IN, Fault, KeyValue, Literal};
-use nailnoise_quantities::dimension::{DAMPING, NUMBER, STIFFNESS};
+use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group as _, Kind, Value};
 
 use super::distribution::Distribution;
@@ -20,7 +20,7 @@ use super::source::File;
 use crate::error::Error;
 use crate::model::supports;
 use crate::stages::bodies::tool_loads::AXIAL_SURFACES;
-use crate::stages::cycle::TOOL;
+use crate::stages::cycle::{TOOL, WORKPIECE};
 
 /// Groups of keys that only the cycle reads: an assembly uses those that its formulas name.
 const OF_CYCLE: [&str; 10] = [
@@ -48,6 +48,9 @@ const OF_PLACE: [&str; 9] = [
     "body.barrel_height",
     "body.cap_height",
 ];
+
+/// Surfaces of a body on which an assembly may give the force.
+const SURFACES: [(&str, &[&str]); 2] = [(TOOL, &AXIAL_SURFACES), (WORKPIECE, &["seat", "nail", "support"])];
 
 /// The assembly of a design, with the literals that a program set.
 #[derive(Debug, Clone)]
@@ -85,6 +88,9 @@ impl DesignAssembly {
     /// Evaluates the assembly with values of keys to find its literals and the keys that it uses.
     pub(super) fn read(&mut self, keys: &BTreeMap<String, KeyValue>) -> Result<(), DesignError> {
         let resolved = self.read.text.resolve(keys).map_err(refused)?;
+        for (body, surfaces) in SURFACES {
+            self.read.text.check_surfaces(body, surfaces).map_err(refused)?;
+        }
         self.read = Arc::new(EvaluatedAssembly {
             loads_housing: self.read.loads_housing,
             text: Arc::clone(&self.read.text),
@@ -221,14 +227,7 @@ pub(super) fn keys<'k>(
         keys.insert(path.to_owned(), KeyValue::of(spec, &value));
     });
     let support = supports::of(values).lumped()?;
-    let mass = values.workpiece.block.mass(values.wood.density);
-    for (path, si, dimension) in [
-        ("support.stiffness", support.stiffness, STIFFNESS),
-        ("support.damping", support.dashpot(mass), DAMPING),
-        ("support.damping_ratio", support.damping_ratio(mass), NUMBER),
-    ] {
-        keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
-    }
+    keys.extend(support.keys(values.workpiece.block.mass(values.wood.density)));
     let exhaust = KeyValue::Quantity {
         si: values.exhaust.coefficient(&values.chambers),
         dimension: NUMBER,
@@ -350,7 +349,7 @@ impl AssemblyKeys {
         self.declared.iter().any(|key| key.starts_with(&group))
     }
 
-    /// The error of a key in such a group that the assembly does not declare.
+    /// The error for an undeclared key in such a group.
     pub(super) fn undeclared(&self, key: &str, at: Box<Place>) -> DesignError {
         refused(AssemblyError {
             path: key.to_owned(),

@@ -8,50 +8,78 @@ use super::groups::Values;
 use super::merged::Merged;
 use super::settings::Given;
 
-/// Keys that take the value and the range of another one: the cap has the material of the housing.
-const SAME: [(&str, &str); 3] = [
-    ("body.cap.young_modulus", "body.housing.young_modulus"),
-    ("body.cap.poisson_ratio", "body.housing.poisson_ratio"),
-    ("body.cap.density", "body.housing.density"),
+/// A key that may be missing.
+struct Optional {
+    key: &'static str,
+    /// A key whose presence asks for this one, and whose place and provenance it takes.
+    beside: &'static str,
+    value: Missing,
+}
+
+/// The value of a missing key.
+enum Missing {
+    /// Value and range of the key beside it.
+    Same,
+    /// Zero, which selects the key beside it.
+    Zero,
+    /// A word.
+    Word(&'static str),
+}
+
+const OPTIONAL: [Optional; 8] = [
+    // The cap has the material of the housing.
+    same("body.cap.young_modulus", "body.housing.young_modulus"),
+    same("body.cap.poisson_ratio", "body.housing.poisson_ratio"),
+    same("body.cap.density", "body.housing.density"),
+    // The passage has the common coefficient.
+    zero("supply.hose_coefficient", "chambers.discharge_coefficient"),
+    zero("chambers.check_hole_coefficient", "chambers.discharge_coefficient"),
+    zero("chambers.return_hole_coefficient", "chambers.discharge_coefficient"),
+    zero("chambers.leak_coefficient", "chambers.discharge_coefficient"),
+    // The outflow fills the fitting.
+    Optional {
+        key: "exhaust.fitting.gas",
+        beside: "exhaust.fitting.kind",
+        value: Missing::Word("outflow"),
+    },
 ];
 
-/// Keys that are 0: the passage has the common coefficient.
-const ZERO: [&str; 4] = [
-    "supply.hose_coefficient",
-    "chambers.check_hole_coefficient",
-    "chambers.return_hole_coefficient",
-    "chambers.leak_coefficient",
-];
+const fn same(key: &'static str, beside: &'static str) -> Optional {
+    let value = Missing::Same;
+    Optional { key, beside, value }
+}
 
-/// A key with the word that it has where none is given, and a key of its group: the outflow fills the fitting.
-const WORD: (&str, &str, &str) = ("exhaust.fitting.gas", "outflow", "exhaust.fitting.kind");
+const fn zero(key: &'static str, beside: &'static str) -> Optional {
+    let value = Missing::Zero;
+    Optional { key, beside, value }
+}
 
-/// The key whose value the keys of [`ZERO`] select.
-const COMMON: &str = "chambers.discharge_coefficient";
+impl Missing {
+    /// The value and its text, if they are not those of the key beside it.
+    fn given(&self) -> Option<(Given, &'static str)> {
+        match self {
+            Self::Same => None,
+            Self::Zero => Some((Given::Quantity(Measured { si: 0.0, gauge: false }), "0")),
+            Self::Word(word) => Some((Given::Other(Value::Choice(word)), word)),
+        }
+    }
+}
 
 /// Adds those of these keys to which no file gives a value.
 pub(super) fn add_missing(merged: &mut HashMap<String, Merged>) {
-    let zeros = ZERO.map(|key| (key, COMMON));
-    let (word_key, word, of_group) = WORD;
-    for (key, other) in SAME.into_iter().chain(zeros).chain([(word_key, of_group)]) {
+    for Optional { key, beside, value } in OPTIONAL {
         let given = merged.get(key).is_some_and(|merged| merged.value.is_some());
-        let Some(other) = merged.get(other).filter(|other| !given && other.value.is_some()) else {
+        let Some(beside) = merged.get(beside).filter(|beside| !given && beside.value.is_some()) else {
             continue;
         };
-        let mut added = other.clone();
+        let mut added = beside.clone();
         added.spec = spec(key).unwrap_or(added.spec);
-        if ZERO.contains(&key) {
+        if let Some((own, own_text)) = value.given() {
             added.forget_range();
             if let Some((value, text, _)) = &mut added.value {
-                *value = Given::Quantity(Measured { si: 0.0, gauge: false });
-                "0".clone_into(text);
+                *value = own;
+                own_text.clone_into(text);
             }
-        }
-        if key == word_key
-            && let Some((value, text, _)) = &mut added.value
-        {
-            *value = Given::Other(Value::Choice(word));
-            word.clone_into(text);
         }
         merged.insert(key.to_owned(), added);
     }

@@ -685,6 +685,7 @@ const BAD: &[(&str, usize, &str, &str)] = &[
     ("infinite", 3, "piston.stroke", "finite"),
     ("key-of-another-group", 3, "tool.stroke", "`piston.stroke`"),
     ("laps", 3, "head_valve.exhaust_lap", "`head_valve.intake_lap`"),
+    ("load-surface", 3, "cycle.load.tool.handel", "did you mean \"handle\"?"),
     ("long-nail", 5, "nail", "`workpiece.thickness`"),
     ("loop-a", 2, "loop-b.toml", "remove `base`"),
     ("loop-b", 1, "loop-a.toml", "remove `base`"),

@@ -51,8 +51,8 @@ pub struct FilledFitting {
 }
 
 impl PipeFitting {
-    /// The pipe in the air `outside`, with gas of its own temperature or of the stagnation temperature `outflow` \[K\].
-    /// The flow in the pipe is slow, so that its temperature is that of stagnation.
+    /// Fills the pipe with gas of `temperature` or, if that is `None`, of the stagnation temperature `outflow` \[K\]:
+    /// the flow in the pipe is slow. `outside` is the ambient air.
     ///
     /// # Errors
     /// Dimensions or a temperature that are not positive, a Mach number outside 0 to 1.

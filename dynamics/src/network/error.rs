@@ -71,8 +71,8 @@ pub enum RunError {
     },
     /// A gas volume shrank to nothing.
     #[error(
-      "volume \"{volume}\" shrinks to {:.3} cm3 with {body} at {time} s (mass of its gas {mass:.2e} kg); raise dead or \
-         move the stop",
+        "volume \"{volume}\" shrinks to {:.3} cm3 with {body} at {time} s (mass of its gas {mass:.2e} kg); raise dead \
+         or move the stop",
         1e6 * size
     )]
     Collapse {

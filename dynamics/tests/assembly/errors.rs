@@ -303,6 +303,29 @@ fn laws_of_the_network_are_checked() {
             &["\"exhaust\" are open together from 3.500 to 3.700 mm of \"head_valve\": hose blows into atmosphere"],
         ),
         (
+            "[cycle.fastener.nail]\nhead_at = \"-2 mm\"",
+            &[
+                "`cycle.fastener.nail` has its head 2.000 mm above the start of \"piston\"",
+                "changed at own.toml, line 4, by `cycle.fastener.nail.head_at`",
+                "increase `head_at`",
+            ],
+        ),
+        (
+            "[cycle.force.extra]\non = \"tool\"\njet = \"intake\"\nshare = 1",
+            &[
+                "names \"intake\", which is no passage to the atmosphere",
+                "exhaust, leak, vent",
+            ],
+        ),
+        (
+            "[keys.piston]\nbore = { domain = \"1 .. 2 mm\" }",
+            &[
+                "`keys.piston.bore` declares a key that every assembly has, from 1e-6 to 100 m",
+                "remove the declaration",
+            ],
+        ),
+        ("gas = false", &["has no field `gas`"]),
+        (
             "[cycle.load.tool]\nbore = false",
             &[
                 "loads on \"tool\" do not add up",
@@ -368,6 +391,33 @@ fn what_is_no_file_or_no_toml_is_refused() {
         let error = open(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
         assert!(error.to_string().contains(part), "{text}: {error}");
     }
+}
+
+/// A ball on a spring has no gas, and needs none.
+#[test]
+fn an_assembly_without_volumes_and_passages_needs_no_gas() {
+    let text = r#"
+[cycle]
+assembly = { name = "ball", schema = 1 }
+end = "10 ms"
+[cycle.reservoir.atmosphere]
+pressure = "101.325 kPa"
+temperature = "20 degC"
+[cycle.body.ball]
+mass = "100 g"
+start = { travel = "0 mm" }
+[cycle.spring.wire]
+on = "ball"
+push = "down"
+stiffness = "1 N/mm"
+preload = "5 mm"
+"#;
+    let none = std::collections::BTreeMap::<String, KeyValue>::new();
+    let resolve = |text: &str| AssemblyText::open(&Document::new(Path::new("ball.toml"), text))?.resolve(&none);
+    assert_eq!(resolve(text).map(|own| own.assembly.bodies.len()), Ok(1));
+    let volume = "[cycle.volume.air]\ndead = \"1 l\"\npressure = \"=1 bar\"\n";
+    let error = resolve(&format!("{text}{volume}")).expect_err("accepted");
+    assert!(error.to_string().contains("has no field `gas`"), "{error}");
 }
 
 /// The N80CB without the values of its design.

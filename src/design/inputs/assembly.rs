@@ -12,6 +12,7 @@ use super::cycle::fitted_law;
 use crate::design::loads_housing;
 use crate::design::{Assignment, Coupling, Design, LoadedAssembly, MufflerKind, Value, Warning, refused_assembly};
 use crate::error::Error;
+use crate::stages::bodies::tool_loads::AXIAL_SURFACES;
 use crate::stages::cycle::{AssembledCycle, BlockPlaces, Engine, TOOL, WORKPIECE};
 
 /// The design whose mean density gives the volume of a housing without dimensions.
@@ -310,10 +311,20 @@ fn mean_density(design: &Design) -> Option<f64> {
 /// Why a housing of an assembly is rigid, in words.
 pub(crate) fn rigid_housing(design: &Design, engine: &Engine) -> Option<String> {
     let density = mean_density(design)?;
+    let given = design.assembly().map_or_else(Vec::new, |text| text.surfaces(TOOL));
+    let missing = AXIAL_SURFACES.iter().filter(|own| !given.contains(own));
+    let missing: Vec<&str> = missing.copied().collect();
+    let surfaces = if given.is_empty() {
+        format!("the assembly gives no forces on the surfaces of `{TOOL}`")
+    } else {
+        format!(
+            "the assembly gives no force on the surfaces {} of `{TOOL}`",
+            missing.join(", ")
+        )
+    };
     Some(format!(
-        "the assembly names no forces on the surfaces of `{TOOL}`: it radiates as a rigid sphere of its mass, {:.2} \
-         kg, \
-         at the mean density of the N80CB, {density:.0} kg/m3, which is a volume of {:.2} l",
+        "{surfaces}: it radiates as a rigid sphere of its mass, {:.2} kg, at the mean density of the N80CB, \
+         {density:.0} kg/m3, which is a volume of {:.2} l",
         tool_mass(engine),
         1e3 * tool_volume(design, engine)
     ))

@@ -89,9 +89,9 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The side and position of the stop that the contact is to the motion of `body` relative to `base` \[m\]. A
-    /// contact that is given the other way around is the same stop, seen from the other side.
-    pub fn limit(&self, body: usize, base: Base) -> Option<(Stop, f64)> {
+    /// Side and position \[m\] of this stop for the motion of `body` relative to `base`; `None` if it is between other
+    /// bodies. A contact with the two bodies exchanged is the same stop, with side and sign reversed.
+    pub fn stop_for(&self, body: usize, base: Base) -> Option<(Stop, f64)> {
         if (self.on, self.against) == (body, base) {
             return Some((self.stop, self.at));
         }
@@ -145,6 +145,13 @@ pub struct Spring {
     pub unilateral: bool,
     /// Dashpot in parallel \[N s/m\].
     pub damping: f64,
+}
+
+impl Spring {
+    /// Compression at a travel \[m\].
+    pub fn compression(&self, travel: f64) -> f64 {
+        self.preload - self.push.sign() * (travel - self.free)
+    }
 }
 
 /// Force of a spring as a function of its compression.

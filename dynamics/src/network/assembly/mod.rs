@@ -26,7 +26,7 @@ pub use mechanics::{
     SpringLaw, Start, Stop, Weights, WoodLaw,
 };
 pub use output::{ColumnValue, JetQuantity, Load, Marker, NamedColumn, Opening, PressurePatch, PressureSurface};
-pub use reference::{Base, BlockRef, Family, Space};
+pub use reference::{Base, BlockRef, Connection, Family, Space};
 
 /// A tool as a network of blocks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -118,6 +118,16 @@ impl Assembly {
             Family::Trigger => self.triggers.get(i).map(|b| &b.name),
         };
         name.map_or("", |name| name)
+    }
+
+    /// All contacts, springs, forces, latches and motors.
+    pub fn connections(&self) -> impl Iterator<Item = Connection> {
+        let contacts = Connection::of_family(Family::Contact, &self.contacts, |own| (own.on, own.against));
+        let springs = Connection::of_family(Family::Spring, &self.springs, |own| (own.on, own.against));
+        let forces = Connection::of_family(Family::Force, &self.forces, |own| (own.on, own.against));
+        let holds = Connection::of_family(Family::Hold, &self.holds, |own| (own.on, own.against));
+        let motors = Connection::of_family(Family::Motor, &self.motors, |own| (own.on, own.against));
+        contacts.chain(springs).chain(forces).chain(holds).chain(motors)
     }
 }
 

@@ -11,6 +11,17 @@ pub enum Space {
     Reservoir(usize),
 }
 
+impl Space {
+    /// The block of the space.
+    pub fn block(self) -> BlockRef {
+        let (family, index) = match self {
+            Self::Volume(index) => (Family::Volume, index),
+            Self::Reservoir(index) => (Family::Reservoir, index),
+        };
+        BlockRef { family, index }
+    }
+}
+
 /// What a motion is relative to, or a force reacts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Base {
@@ -58,4 +69,35 @@ pub struct BlockRef {
     pub family: Family,
     /// Index in the family's list.
     pub index: usize,
+}
+
+/// A block that exerts a force between two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Connection {
+    /// The block.
+    pub block: BlockRef,
+    /// Index of the body on which it acts.
+    pub on: usize,
+    /// The body that carries the reaction.
+    pub against: Base,
+}
+
+impl Connection {
+    /// Whether the force or its reaction acts on a body.
+    pub fn acts_on(&self, body: usize) -> bool {
+        self.on == body || self.against == Base::Body(body)
+    }
+
+    /// The connections of one family, whose blocks have these bodies.
+    pub(super) fn of_family<T>(
+        family: Family,
+        blocks: &[T],
+        bodies: fn(&T) -> (usize, Base),
+    ) -> impl Iterator<Item = Self> {
+        blocks.iter().enumerate().map(move |(index, block)| {
+            let (on, against) = bodies(block);
+            let block = BlockRef { family, index };
+            Self { block, on, against }
+        })
+    }
 }

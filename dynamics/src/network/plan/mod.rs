@@ -256,10 +256,10 @@ impl Plan {
         for (spring, described) in self.springs.iter().zip(&self.assembly.springs) {
             let Some(limit) = spring.limit else { continue };
             for stop in &self.assembly.contacts {
-                let Some((_, at)) = stop.limit(described.on, described.against) else {
+                let Some((_, at)) = stop.stop_for(described.on, described.against) else {
                     continue;
                 };
-                let compression = spring.preload - spring.sign * (at - spring.free);
+                let compression = described.compression(at);
                 if compression > limit * (1.0 + 1e-12) {
                     return Err(RunError::SpringLimit {
                         spring: described.name.clone(),

@@ -8,7 +8,7 @@ use super::layers::AssemblyText;
 use super::named::NamedInTexts;
 use super::names::CHANNELS;
 use super::node::{Entry, Node, Removed, Spot, Tree};
-use crate::network::assembly::{Assembly, Base, BlockRef, Family, Opens, Space};
+use crate::network::assembly::{Assembly, Base, BlockRef, Face, Family, Opens, Space};
 use crate::network::error::RunError;
 
 /// Fields that determine where a body may move.
@@ -71,47 +71,28 @@ impl<'n> Part<'n> {
         parts
     }
 
-    /// What determines the force on a body at rest: its faces with their gas, and what connects it to other bodies.
+    /// The blocks that determine the force on a body at rest: its faces with their gas, and its connections.
     pub(super) fn of_body(assembly: &'n Assembly, index: usize) -> Vec<Self> {
         let Some(body) = assembly.bodies.get(index) else {
             return Vec::new();
         };
-        let is_own = |on: usize, against: Base| on == index || against == Base::Body(index);
         let mut parts = vec![Self::new(Family::Body, &body.name, &[])];
-        for face in assembly.faces.iter().filter(|face| is_own(face.body, face.against)) {
+        let is_own = |face: &&Face| face.body == index || face.against == Base::Body(index);
+        for face in assembly.faces.iter().filter(is_own) {
+            let gas = face.gas.block();
             parts.push(Self::new(Family::Face, &face.name, &[]));
-            let (family, gas) = match face.gas {
-                Space::Volume(index) => (Family::Volume, index),
-                Space::Reservoir(index) => (Family::Reservoir, index),
-            };
-            let gas = assembly.name_of(BlockRef { family, index: gas });
-            parts.push(Self::new(family, gas, &["pressure", "temperature"]));
+            parts.push(Self::new(
+                gas.family,
+                assembly.name_of(gas),
+                &["pressure", "temperature"],
+            ));
         }
-        let a = assembly;
-        let contacts = a
-            .contacts
-            .iter()
-            .map(|own| (Family::Contact, &own.name, own.on, own.against));
-        let springs = a
-            .springs
-            .iter()
-            .map(|own| (Family::Spring, &own.name, own.on, own.against));
-        let forces = a
-            .forces
-            .iter()
-            .map(|own| (Family::Force, &own.name, own.on, own.against));
-        let holds = a.holds.iter().map(|own| (Family::Hold, &own.name, own.on, own.against));
-        let motors = a
-            .motors
-            .iter()
-            .map(|own| (Family::Motor, &own.name, own.on, own.against));
-        let all = contacts.chain(springs).chain(forces).chain(holds).chain(motors);
-        let all = all.filter(|(.., on, against)| is_own(*on, *against));
-        parts.extend(all.map(|(family, name, ..)| Self::new(family, name, &[])));
+        let connections = assembly.connections().filter(|own| own.acts_on(index));
+        parts.extend(connections.map(|own| Self::new(own.block.family, assembly.name_of(own.block), &[])));
         parts
     }
 
-    /// What determines where a body starts: itself and its stops.
+    /// The blocks that determine where a body starts: itself and its stops.
     pub(super) fn of_start(assembly: &'n Assembly, index: usize) -> Vec<Self> {
         let Some(body) = assembly.bodies.get(index) else {
             return Vec::new();
@@ -122,7 +103,7 @@ impl<'n> Part<'n> {
             .collect()
     }
 
-    /// What determines the areas on which gas pushes a body.
+    /// The blocks that determine the areas on which gas pushes a body.
     pub(super) fn of_faces(assembly: &'n Assembly, index: usize) -> Vec<Self> {
         let body = assembly.bodies.get(index);
         let body = body.map(|body| Self::new(Family::Body, &body.name, &["unbalanced"]));
@@ -138,7 +119,7 @@ impl<'n> Part<'n> {
 
     fn stops(assembly: &'n Assembly, on: usize, against: Base) -> impl Iterator<Item = Self> {
         let contacts = assembly.contacts.iter();
-        let stops = contacts.filter(move |contact| contact.limit(on, against).is_some());
+        let stops = contacts.filter(move |contact| contact.stop_for(on, against).is_some());
         stops.map(|contact| Self::new(Family::Contact, &contact.name, STOP))
     }
 }
@@ -206,7 +187,7 @@ impl AssemblyText {
     }
 
     /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, keys that the
-    /// closest file gives, and what named a part and is removed.
+    /// closest file gives, and removed blocks that refer to a part.
     pub(super) fn changes(&self, of: &Spot, parts: &[Part<'_>]) -> Changes {
         let mut search = Search {
             text: self,

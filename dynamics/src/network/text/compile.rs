@@ -25,9 +25,9 @@ pub(super) enum Compiled {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Word {
     pub(super) text: String,
-    /// Words of the branches that no `if` selects.
+    /// Words of unselected branches.
     pub(super) unselected: Vec<String>,
-    /// The words that its key may have; none of another word.
+    /// The choices of its key; empty for other words.
     pub(super) allowed: &'static [&'static str],
 }
 
@@ -102,13 +102,12 @@ pub(super) trait Scope {
     /// The value of a name.
     fn value(&self, name: &str) -> Result<Compiled, Trouble>;
 
-    /// Whether the values that are computed have an effect: not in a branch that an `if` does not select, whose
-    /// numbers need not be finite.
+    /// Whether the computed values have an effect. Those of an unselected branch do not, and need not be finite.
     fn is_selected(&self) -> bool;
 
-    /// Compiles a branch that an `if` does not select, so that its errors are found; what it reads has no effect.
-    /// `None` if its value depends on that of the `if`.
-    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble>;
+    /// Compiles the unselected branch of an `if` to find its errors, without an effect of its keys. `None` if the
+    /// branch refers to the value of the `if`.
+    fn compile_unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble>;
 }
 
 /// Compiles a branch of an `if`.
@@ -191,7 +190,7 @@ fn choose(terms: &[Term; 3], scope: &dyn Scope) -> Result<Compiled, Trouble> {
     };
     let (selected, other) = if satisfied { (yes, no) } else { (no, yes) };
     let mut value = compile(selected, scope)?;
-    match (&mut value, scope.unselected(&mut || compile(other, scope))?) {
+    match (&mut value, scope.compile_unselected(&mut || compile(other, scope))?) {
         (_, None) => {}
         (Compiled::Scalar(own), Some(Compiled::Scalar(other))) => {
             common("its branches are", own, &other)?;
@@ -219,7 +218,7 @@ fn scalar(term: &Term, scope: &dyn Scope) -> Result<Scalar, Trouble> {
             "compare words with == or !=",
         )),
         Compiled::Truth(_) | Compiled::Conditions(_) => Err(Trouble::here(
-            "a condition stands where a number is expected",
+            "a condition was found where a number is expected",
             "take the condition out of the arithmetic",
         )),
     }
@@ -363,8 +362,8 @@ fn compare(relation: Relation, left: Compiled, right: Compiled) -> Result<Compil
     match (left, right, equality) {
         (Compiled::Scalar(left), Compiled::Scalar(right), _) => compare_numbers(relation, left, right),
         (Compiled::Word(left), Compiled::Word(right), Some(equal)) => {
-            is_allowed(&left, &right)?;
-            is_allowed(&right, &left)?;
+            check_choice(&left, &right)?;
+            check_choice(&right, &left)?;
             Ok(Compiled::Truth((left.text == right.text) == equal))
         }
         (Compiled::Truth(left), Compiled::Truth(right), Some(equal)) => Ok(Compiled::Truth((left == right) == equal)),
@@ -376,7 +375,7 @@ fn compare(relation: Relation, left: Compiled, right: Compiled) -> Result<Compil
 }
 
 /// Checks that the key behind the first word may have the second.
-fn is_allowed(key: &Word, word: &Word) -> Result<(), Trouble> {
+fn check_choice(key: &Word, word: &Word) -> Result<(), Trouble> {
     let allowed = key.allowed;
     if allowed.is_empty() || allowed.contains(&word.text.as_str()) {
         return Ok(());

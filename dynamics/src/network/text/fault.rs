@@ -202,6 +202,12 @@ pub enum Fault {
     /// A name already has a meaning in formulas.
     #[error("has a name with a meaning of its own in formulas")]
     Reserved,
+    /// A declared key is a standard one, which has a domain of its own.
+    #[error("declares a key that every assembly has, {allowed}")]
+    StandardKey {
+        /// Its domain in words.
+        allowed: String,
+    },
     /// Two fields exclude each other.
     #[error("has more than one of {}", fields.join(", "))]
     Exclusive {
@@ -304,6 +310,14 @@ pub enum Fault {
         /// Energy of the contact \[J\].
         energy: f64,
     },
+    /// A driver starts beyond the head of its fastener.
+    #[error("has its head {:.3} mm above the start of \"{driver}\", which never strikes it", beyond * 1e3)]
+    PastHead {
+        /// Driver.
+        driver: String,
+        /// Distance from the head \[m\].
+        beyond: f64,
+    },
     /// A spring is compressed beyond the range of its law.
     #[error(
         "is compressed by {:.3} mm at the stop \"{stop}\", its law is valid to {:.3} mm",
@@ -401,6 +415,9 @@ impl Fault {
             Self::DuplicateName { .. } => "rename one of them; channels are named by their block".to_owned(),
             Self::BadName => "use lower-case letters, digits and underscores, a letter first".to_owned(),
             Self::Reserved => "choose another name than ground, key, pi, and, or, not".to_owned(),
+            Self::StandardKey { .. } => {
+                "remove the declaration: formulas may use the key as it is; or choose another name".to_owned()
+            }
             Self::Exclusive { .. } => {
                 "leave one of them; `replace = true` drops the fields of the assembly that this one changes".to_owned()
             }
@@ -421,6 +438,7 @@ impl Fault {
             Self::InsideStop { .. } => {
                 "let it start outside the stop, or rest on it as start = { rest_on = \"NAME\" }".to_owned()
             }
+            Self::PastHead { driver, .. } => format!("increase `head_at`, or let \"{driver}\" start above it"),
             Self::Circle { .. } => "break the circle: one of them must be given by other quantities".to_owned(),
             Self::NoAtmosphere => {
                 "add it, as [cycle.reservoir.atmosphere] with pressure = \"101.325 kPa\" and temperature = \"20 degC\""

@@ -6,8 +6,8 @@ use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
 use nailnoise_quantities::{Dimension, Group, GroupSpec, KeySpec, Kind, Name, Value};
 
 use crate::{
-    Ambient, Block, Chambers, Contacts, Exhaust, Geometry, Hand, HeadValve, Model, Nail, NailedWood, Parameters,
-    Piston, Supply, Tool, Trigger,
+    Ambient, Block, Chambers, Contacts, Exhaust, Hand, HeadValve, Model, Nail, NailedWood, Parameters, Piston, Supply,
+    Support, Tool, Trigger,
 };
 
 /// Value of a key.
@@ -59,6 +59,19 @@ impl KeyValue {
     }
 }
 
+impl Support {
+    /// The keys of the support in use that assemblies read, under a block of wood with this mass \[kg\].
+    pub fn keys(&self, mass: f64) -> impl Iterator<Item = (String, KeyValue)> {
+        let keys = [
+            ("support.stiffness", self.stiffness, STIFFNESS),
+            ("support.damping", self.dashpot(mass), DAMPING),
+            ("support.damping_ratio", self.damping_ratio(mass), NUMBER),
+        ];
+        let keys = keys.into_iter();
+        keys.map(|(path, si, dimension)| (path.to_owned(), KeyValue::Quantity { si, dimension }))
+    }
+}
+
 /// Provides the values of keys by their full names: those of a design, and those that replace a literal of an assembly.
 pub trait Keys {
     /// The value of `path` (`piston.bore`, or `cycle.volume.gas.dead` for a literal), if there is one.
@@ -85,20 +98,7 @@ impl Parameters {
         self.visit(&mut |path, spec, value| {
             keys.insert(path.to_owned(), KeyValue::of(spec, &value));
         });
-        let Geometry {
-            workpiece_mass,
-            support_damping,
-            ..
-        } = Geometry::new(self);
-        let damping_ratio = self.support.damping_ratio(workpiece_mass);
-        let support = [
-            ("support.stiffness", self.support.stiffness, STIFFNESS),
-            ("support.damping", support_damping, DAMPING),
-            ("support.damping_ratio", damping_ratio, NUMBER),
-        ];
-        for (path, si, dimension) in support {
-            keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
-        }
+        keys.extend(self.support.keys(self.workpiece.mass(self.wood.density)));
         let word = if self.muffler_area.is_some() { "given" } else { "none" };
         let words = &["given", "none"];
         keys.insert("exhaust.muffler.kind".to_owned(), KeyValue::Choice { word, words });

@@ -187,8 +187,28 @@ impl AssemblyText {
     /// Names of the surfaces of a body on which the assembly gives the force.
     pub fn surfaces(&self, body: &str) -> Vec<&str> {
         let loads = self.cycle.get("load").and_then(|loads| loads.get(body));
-        let entries = loads.map_or(&[][..], Node::entries);
-        entries.iter().map(|entry| entry.key.as_str()).collect()
+        let entries = loads.map_or(&[][..], Node::entries).iter();
+        let surfaces = entries.filter(|entry| entry.key != "if");
+        surfaces.map(|entry| entry.key.as_str()).collect()
+    }
+
+    /// Checks that the surfaces of a body on which the assembly gives the force are among these.
+    ///
+    /// # Errors
+    /// The first other one, with its location.
+    pub fn check_surfaces(&self, body: &str, known: &[&str]) -> Result<(), AssemblyError> {
+        let loads = self.cycle.get("load").and_then(|loads| loads.get(body));
+        let mut entries = loads.map_or(&[][..], Node::entries).iter();
+        let Some(other) = entries.find(|entry| entry.key != "if" && !known.contains(&entry.key.as_str())) else {
+            return Ok(());
+        };
+        let path = format!("cycle.load.{body}.{}", other.key);
+        let fault = Fault::UnknownName {
+            name: other.key.clone(),
+            wanted: format!("surface of \"{body}\""),
+            known: known.iter().map(|&name| name.to_owned()).collect(),
+        };
+        Err(self.error(&path, &other.spot, fault))
     }
 
     /// All fields and values of keys, one per line in alphabetical order; equal for assemblies that differ only in the
@@ -370,6 +390,10 @@ impl AssemblyText {
                 }
                 self.declare(&full, &entry.node)?;
                 continue;
+            }
+            if let Some(spec) = standard(&full) {
+                let allowed = spec.kind.allowed();
+                return Err(self.error(&format!("keys.{full}"), &entry.spot, Fault::StandardKey { allowed }));
             }
             let declared = self.declaration(&full, &entry.node)?;
             self.declared.insert(full, declared);

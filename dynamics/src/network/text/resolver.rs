@@ -31,12 +31,39 @@ pub(super) struct Resolver<'a> {
 struct State {
     /// Names being evaluated, to detect cycles.
     stack: Vec<String>,
-    /// Number of branches being compiled that no `if` selects.
+    /// Number of unselected branches being compiled, one inside the other.
     unselected: usize,
     /// Values of names that have been evaluated.
     values: BTreeMap<String, Compiled>,
+    /// Values of names that only unselected branches have evaluated.
+    unselected_values: BTreeMap<String, Compiled>,
     literals: Vec<Literal>,
     used: BTreeSet<String>,
+}
+
+impl State {
+    /// The value of a name that has been evaluated. One from an unselected branch does not count in a selected one,
+    /// where its keys have an effect.
+    fn value(&self, name: &str) -> Option<&Compiled> {
+        let unselected = || self.unselected_values.get(name).filter(|_| self.unselected > 0);
+        self.values.get(name).or_else(unselected)
+    }
+
+    fn keep(&mut self, name: &str, value: &Compiled) {
+        let values = if self.unselected == 0 {
+            &mut self.values
+        } else {
+            &mut self.unselected_values
+        };
+        values.insert(name.to_owned(), value.clone());
+    }
+
+    /// Notes that a formula uses a key, unless an unselected branch reads it.
+    fn note_use(&mut self, key: &str) {
+        if self.unselected == 0 {
+            self.used.insert(key.to_owned());
+        }
+    }
 }
 
 impl<'a> Resolver<'a> {
@@ -257,7 +284,8 @@ impl<'a> Resolver<'a> {
             at: *self.text.sources.place(&node.spot),
         };
         let mut state = self.state.borrow_mut();
-        if !state.literals.iter().any(|known| known.path == literal.path) {
+        let is_selected = state.unselected == 0;
+        if is_selected && !state.literals.iter().any(|known| known.path == literal.path) {
             state.literals.push(literal);
         }
         Ok(Scalar::constant(si, dimension(kind)))
@@ -333,7 +361,7 @@ impl<'a> Resolver<'a> {
     ) -> Result<Compiled, Trouble> {
         {
             let mut state = self.state.borrow_mut();
-            if let Some(value) = state.values.get(name) {
+            if let Some(value) = state.value(name) {
                 return Ok(value.clone());
             }
             if let Some(at) = state.stack.iter().position(|other| other == name) {
@@ -355,7 +383,7 @@ impl<'a> Resolver<'a> {
         let mut state = self.state.borrow_mut();
         state.stack.pop();
         let value = value.map_err(|error| Trouble::Elsewhere(Box::new(error)))?;
-        state.values.insert(name.to_owned(), value.clone());
+        state.keep(name, &value);
         Ok(value)
     }
 
@@ -369,7 +397,7 @@ impl<'a> Resolver<'a> {
             return self.once(&path, node, || self.untyped(&path, node)).map(Some);
         }
         if let Some(value) = self.keys.value(name) {
-            self.state.borrow_mut().used.insert(name.to_owned());
+            self.state.borrow_mut().note_use(name);
             return Ok(Some(match value {
                 KeyValue::Quantity { si, dimension } => Compiled::Scalar(Scalar::constant(si, dimension)),
                 KeyValue::Switch(on) => Compiled::Truth(on),
@@ -386,8 +414,8 @@ impl<'a> Resolver<'a> {
         }
         let kind = self.text.kind(name);
         let Some(node) = self.text.values.get(name) else {
-            // The value of a key has no effect in a branch that is not selected, and need not be given.
-            return Ok(kind.filter(|_| !self.is_selected()).map(without_value));
+            // A key needs no value where only an unselected branch reads it.
+            return Ok(kind.filter(|_| !self.is_selected()).map(placeholder));
         };
         let value = self.once(name, node, || {
             let kind = kind.ok_or_else(|| self.text.undeclared(name, node))?;
@@ -413,24 +441,16 @@ impl<'a> Resolver<'a> {
                 }
             }
         })?;
-        self.state.borrow_mut().used.insert(name.to_owned());
+        self.state.borrow_mut().note_use(name);
         Ok(Some(value))
     }
 
-    /// Compiles a branch that no `if` selects: what it reads has no effect. `None` if it refers to itself, which is an
-    /// error only where it is selected.
-    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
-        let before = {
-            let mut state = self.state.borrow_mut();
-            state.unselected += 1;
-            (state.values.clone(), state.literals.len(), state.used.clone())
-        };
+    /// Compiles the unselected branch of an `if`, without an effect of its keys. `None` if it refers to itself, which
+    /// is an error only in a selected branch.
+    fn compile_unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
+        self.state.borrow_mut().unselected += 1;
         let value = branch();
-        let mut state = self.state.borrow_mut();
-        state.unselected -= 1;
-        let literals;
-        (state.values, literals, state.used) = before;
-        state.literals.truncate(literals);
+        self.state.borrow_mut().unselected -= 1;
         match value {
             Err(Trouble::Elsewhere(error)) if matches!(error.fault, Fault::Circle { .. }) => Ok(None),
             value => value.map(Some),
@@ -490,8 +510,8 @@ fn is_reserved(name: &str) -> bool {
     matches!(name, "ground" | "key" | "pi" | "and" | "or" | "not")
 }
 
-/// A value of the kind of a key that has none.
-fn without_value(kind: Kind) -> Compiled {
+/// A value of the kind of a key, for an unselected branch.
+fn placeholder(kind: Kind) -> Compiled {
     match kind {
         Kind::Quantity { .. } | Kind::Count(_) => Compiled::Scalar(Scalar::constant(f64::NAN, dimension(kind))),
         Kind::Switch => Compiled::Truth(false),
@@ -535,8 +555,8 @@ impl Scope for KeyScope<'_, '_> {
         self.0.is_selected()
     }
 
-    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
-        self.0.unselected(branch)
+    fn compile_unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
+        self.0.compile_unselected(branch)
     }
 }
 
@@ -617,7 +637,7 @@ impl Scope for StateScope<'_, '_> {
         self.resolver.is_selected()
     }
 
-    fn unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
-        self.resolver.unselected(branch)
+    fn compile_unselected(&self, branch: &mut Branch<'_>) -> Result<Option<Compiled>, Trouble> {
+        self.resolver.compile_unselected(branch)
     }
 }

@@ -292,6 +292,28 @@ fn read_gate(gate: &Fields<'_, '_>) -> Result<Gate, AssemblyError> {
     })
 }
 
+/// The index of a passage, which a field names, if it leads to the atmosphere.
+pub(super) fn outward(
+    fields: &Fields<'_, '_>,
+    key: &str,
+    passages: &[Passage],
+    index: usize,
+) -> Result<usize, AssemblyError> {
+    let resolver = fields.resolver;
+    let Some(passage) = passages.get(index).filter(|own| !reaches_atmosphere(resolver, own)) else {
+        return Ok(index);
+    };
+    let outward = passages.iter().filter(|own| reaches_atmosphere(resolver, own));
+    Err(fields.error(
+        key,
+        Fault::UnknownName {
+            name: passage.name.clone(),
+            wanted: "passage to the atmosphere".to_owned(),
+            known: outward.map(|own| own.name.clone()).collect(),
+        },
+    ))
+}
+
 /// Whether one end of a passage is the atmosphere.
 pub(in crate::network::text) fn reaches_atmosphere(resolver: &Resolver<'_>, passage: &Passage) -> bool {
     is_atmosphere(resolver, passage.from) || is_atmosphere(resolver, passage.to)

@@ -3,11 +3,12 @@
 use nailnoise_quantities::dimension::{DAMPING, FORCE, NUMBER, VELOCITY};
 use nailnoise_quantities::{Kind, nonnegative, positive};
 
+use super::gas::outward;
 use super::list::each;
 use super::tables::mechanics::{BODY, CONTACT, FORCE_TABLE, FRICTION, HOLD, MOTOR, SPRING, STOPS};
 use crate::network::assembly::{
-    Base, Body, Contact, ContactDamping, Family, Force, ForceLaw, Friction, Hold, Motor, Spring, SpringLaw, Start,
-    Weights,
+    Base, Body, Contact, ContactDamping, Family, Force, ForceLaw, Friction, Hold, Motor, Passage, Spring, SpringLaw,
+    Start, Weights,
 };
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;
@@ -253,7 +254,7 @@ fn friction_group(fields: &Fields<'_, '_>, text: &str) -> Result<[f64; 3], Assem
     ])
 }
 
-pub(super) fn forces(resolver: &Resolver<'_>) -> Result<Vec<Force>, AssemblyError> {
+pub(super) fn forces(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Force>, AssemblyError> {
     let read = |(name, fields): (&str, Fields<'_, '_>)| {
         let on = on(&fields)?;
         fields.one_of(&["force", "table", "jet"], "force = \"80 N\"")?;
@@ -261,7 +262,7 @@ pub(super) fn forces(resolver: &Resolver<'_>) -> Result<Vec<Force>, AssemblyErro
             ForceLaw::Table(points)
         } else if let Some(passage) = fields.block("jet", &[Family::Passage], "passage")? {
             ForceLaw::Jet {
-                passage: passage.index,
+                passage: outward(&fields, "jet", passages, passage.index)?,
                 share: fields.required("share")?,
             }
         } else {

@@ -25,11 +25,15 @@ use tables::LEDGERS;
 /// Relative pressure difference below which a flow is linear, unless the assembly gives another.
 const LINEAR: f64 = 1e-3;
 
+/// Specific gas constant \[J/(kg K)\] and ratio of the heat capacities of dry air, which have no effect in an assembly
+/// without volumes and passages.
+const AIR: [f64; 2] = [287.05, 1.4];
+
 /// Reads all blocks.
 pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
     let cycle = &resolver.text.cycle;
     let top = Fields::new(resolver, "cycle".to_owned(), cycle, &CYCLE)?;
-    let gas = top.table("gas")?.ok_or_else(|| top.missing("gas"))?;
+    let gas = top.table("gas")?;
     let gravity = top.or("gravity", 0.0)?;
     let reservoirs = gas::reservoirs(resolver)?;
     let atmosphere = resolver
@@ -41,14 +45,19 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
     let bodies = mechanics::bodies(resolver, &parents, gravity)?;
     let volumes = gas::volumes(resolver, atmosphere.temperature)?;
     let passages = gas::passages(resolver, &parents)?;
+    let [gas_constant, heat_capacity_ratio] = match &gas {
+        Some(gas) => [gas.required("constant")?, gas.required("ratio")?],
+        None if volumes.is_empty() && passages.is_empty() => AIR,
+        None => return Err(top.missing("gas")),
+    };
     let fasteners = fastener::fasteners(resolver, &bodies)?;
     let sensors = events::sensors(resolver)?;
     let events = events::events(resolver, &sensors, &passages)?;
     Ok(Assembly {
         name: resolver.text.name.clone(),
-        gas_constant: gas.required("constant")?,
-        heat_capacity_ratio: gas.required("ratio")?,
-        polytropic: gas::polytropic(&gas)?,
+        gas_constant,
+        heat_capacity_ratio,
+        polytropic: gas.as_ref().map(gas::polytropic).transpose()?.flatten(),
         gravity,
         linear_ratio: top.or("linear", LINEAR)?,
         end: top.required("end")?,
@@ -59,7 +68,7 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
         contacts: mechanics::contacts(resolver, &parents, &bodies)?,
         springs: mechanics::springs(resolver, &parents)?,
         frictions: mechanics::frictions(resolver, &parents)?,
-        forces: mechanics::forces(resolver)?,
+        forces: mechanics::forces(resolver, &passages)?,
         motors: mechanics::motors(resolver, &parents)?,
         holds: mechanics::holds(resolver, &parents, &bodies)?,
         blows: blow::blows(resolver, &fasteners)?,

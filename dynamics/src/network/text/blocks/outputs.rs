@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::{FORCE, LENGTH};
 
 use super::events::{Measured, dimensions, expect, expression};
-use super::gas::reaches_atmosphere;
+use super::gas::outward;
 use super::list::{entries, of_named};
 use super::tables::outputs::{LOAD, OPENING, PRESSURE};
 use crate::network::assembly::{Family, Load, Opening, Opens, Passage, PressurePatch, PressureSurface};
@@ -41,7 +41,6 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
                 fields.error("restriction", fault)
             })?,
         };
-        is_audible(resolver, fields, passages, passage)?;
         let count = fields.or("count", 1.0)?;
         if count.fract() != 0.0 {
             let allowed = "a whole number".to_owned();
@@ -75,7 +74,7 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
         }
         Ok(Opening {
             name: name.to_owned(),
-            passage,
+            passage: audible(fields, passages, passage)?,
             restriction,
             count,
             area,
@@ -99,32 +98,13 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
     Ok(openings)
 }
 
-/// Checks that the passage of an opening leads to the atmosphere and is not silent.
-fn is_audible(
-    resolver: &Resolver<'_>,
-    fields: &Fields<'_, '_>,
-    passages: &[Passage],
-    index: usize,
-) -> Result<(), AssemblyError> {
-    let Some(passage) = passages.get(index) else {
-        return Ok(());
-    };
-    if passage.silent {
+/// The passage of an opening, if it leads to the atmosphere and is not silent.
+fn audible(fields: &Fields<'_, '_>, passages: &[Passage], index: usize) -> Result<usize, AssemblyError> {
+    if passages.get(index).is_some_and(|passage| passage.silent) {
         let found = ["silent = true", "an opening"].map(str::to_owned).to_vec();
         return Err(fields.error("passage", Fault::Exclusive { fields: found }));
     }
-    if reaches_atmosphere(resolver, passage) {
-        return Ok(());
-    }
-    let outward = passages.iter().filter(|own| reaches_atmosphere(resolver, own));
-    Err(fields.error(
-        "passage",
-        Fault::UnknownName {
-            name: passage.name.clone(),
-            wanted: "passage to the atmosphere".to_owned(),
-            known: outward.map(|own| own.name.clone()).collect(),
-        },
-    ))
+    outward(fields, "passage", passages, index)
 }
 
 fn outlet(fields: &Fields<'_, '_>) -> Result<Option<String>, AssemblyError> {

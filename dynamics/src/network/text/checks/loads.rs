@@ -269,11 +269,11 @@ impl Sum<'_, '_> {
     }
 
     fn pressure(&self, gas: Space, state: &State) -> f64 {
-        let (family, index) = match gas {
-            Space::Volume(index) => (Family::Volume, index),
-            Space::Reservoir(index) => (Family::Reservoir, index),
+        let channel = Channel {
+            block: gas.block(),
+            quantity: Quantity::Pressure,
         };
-        self.channel(channel(family, index, Quantity::Pressure), state)
+        self.channel(channel, state)
     }
 
     /// Pressure of the atmosphere \[Pa\].

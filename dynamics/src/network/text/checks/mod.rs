@@ -15,7 +15,7 @@ use crate::network::assembly::Assembly;
 /// Checks all laws; the first that is violated is the error.
 pub(super) fn run(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     faces::balance(resolver, assembly)?;
-    starts::are_possible(resolver, assembly)?;
+    starts::check(resolver, assembly)?;
     volumes::are_reachable(resolver, assembly)?;
     volumes::do_not_collapse(resolver, assembly)?;
     passages::are_heard(resolver, assembly)?;

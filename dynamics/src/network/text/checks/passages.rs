@@ -1,6 +1,6 @@
 //! Checks that passages to the atmosphere make noise, and that no supply empties through them.
 
-use super::place::{error_of, stop};
+use super::place::{error_of, stop_position};
 use crate::network::assembly::{Assembly, Base, Family, Opens, Passage, Push, Space, Stop};
 use crate::network::text::blocks::{is_atmosphere, reaches_atmosphere};
 use crate::network::text::changes::Part;
@@ -73,7 +73,7 @@ fn seats(assembly: &Assembly) -> Vec<SeatRange> {
             else {
                 continue;
             };
-            let limit = |side: Stop, none: f64| stop(assembly, body, against, side).unwrap_or(none);
+            let limit = |side: Stop, none: f64| stop_position(assembly, body, against, side).unwrap_or(none);
             let (low, high) = (limit(Stop::Above, f64::NEG_INFINITY), limit(Stop::Below, f64::INFINITY));
             let open = match push {
                 Push::Down => [at.max(low), high],

@@ -23,12 +23,12 @@ pub(super) fn error_of(
     }
 }
 
-/// Travel at which a stop limits a body's motion relative to another on one side \[m\].
-pub(super) fn stop(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<f64> {
+/// Position of the first stop on one side of a body's motion relative to another \[m\]; `None` without one.
+pub(super) fn stop_position(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<f64> {
     let stops = assembly
         .contacts
         .iter()
-        .filter_map(|contact| contact.limit(body, against));
+        .filter_map(|contact| contact.stop_for(body, against));
     let stops = stops.filter(|(own, _)| *own == side).map(|(_, at)| at);
     match side {
         Stop::Below => stops.min_by(f64::total_cmp),

@@ -14,10 +14,10 @@ pub(super) fn check_range(resolver: &Resolver<'_>, assembly: &Assembly) -> Resul
     for (index, spring) in assembly.springs.iter().enumerate() {
         let Some(limit) = spring.limit else { continue };
         for contact in &assembly.contacts {
-            let Some((_, at)) = contact.limit(spring.on, spring.against) else {
+            let Some((_, at)) = contact.stop_for(spring.on, spring.against) else {
                 continue;
             };
-            let compression = spring.preload - spring.push.sign() * (at - spring.free);
+            let compression = spring.compression(at);
             if compression > limit * (1.0 + ROUNDING) {
                 let fault = Fault::SpringLimit {
                     stop: contact.name.clone(),

@@ -1,7 +1,7 @@
 //! Checks where bodies start.
 
 use super::place::error_of;
-use crate::network::assembly::{Assembly, Base, Body, Contact, Start, Stop};
+use crate::network::assembly::{Assembly, BlockRef, Body, Contact, Family, Fastener, Start, Stop};
 use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
@@ -9,44 +9,64 @@ use crate::network::text::resolver::Resolver;
 /// Energy that a stop may store at the start, as that of a preloaded buffer \[J\].
 const LARGEST: f64 = 10.0;
 
-/// Checks that a body rests on a contact or spring of its own, and does not start deep inside a stop.
-pub(super) fn are_possible(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
+/// Checks that a body rests on a contact or spring of its own, and starts neither deep inside a stop nor beyond the
+/// head of the fastener that it drives.
+pub(super) fn check(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (index, body) in assembly.bodies.iter().enumerate() {
         let fault = match body.start {
             Start::RestOn(block) => {
-                let own = supports(assembly, index);
-                let name = assembly.name_of(block).to_owned();
-                (!own.contains(&name)).then(|| Fault::UnknownName {
-                    name,
+                let supports: Vec<BlockRef> = supports(assembly, index).collect();
+                let name = |block: BlockRef| assembly.name_of(block).to_owned();
+                (!supports.contains(&block)).then(|| Fault::UnknownName {
+                    name: name(block),
                     wanted: "contact or spring of this body".to_owned(),
-                    known: own,
+                    known: supports.iter().map(|block| name(*block)).collect(),
                 })
             }
             Start::At { travel, .. } => assembly
                 .contacts
                 .iter()
-                .find_map(|contact| inside(contact, index, body, travel)),
+                .find_map(|contact| overlap_fault(contact, index, body, travel)),
         };
         if let Some(fault) = fault {
             let parts = Part::of_start(assembly, index);
             return Err(error_of(resolver, "body", &body.name, fault, &parts));
         }
     }
-    Ok(())
+    assembly
+        .fasteners
+        .iter()
+        .try_for_each(|own| check_head(resolver, assembly, own))
 }
 
-/// Names of the contacts and springs of a body.
-fn supports(assembly: &Assembly, body: usize) -> Vec<String> {
-    let is_own = |on: usize, against: Base| on == body || against == Base::Body(body);
-    let contacts = assembly.contacts.iter().filter(|own| is_own(own.on, own.against));
-    let springs = assembly.springs.iter().filter(|own| is_own(own.on, own.against));
-    let names = contacts.map(|own| &own.name).chain(springs.map(|own| &own.name));
-    names.cloned().collect()
+/// Checks that the head of a fastener is before its driver, which otherwise would never strike it.
+fn check_head(resolver: &Resolver<'_>, assembly: &Assembly, fastener: &Fastener) -> Result<(), AssemblyError> {
+    let driver = &assembly.bodies[fastener.driver];
+    let Start::At { travel, .. } = driver.start else {
+        return Ok(());
+    };
+    if travel <= fastener.head_at {
+        return Ok(());
+    }
+    let fault = Fault::PastHead {
+        driver: driver.name.clone(),
+        beyond: travel - fastener.head_at,
+    };
+    let mut parts = Part::of_start(assembly, fastener.driver);
+    parts.extend(Part::of_block(Family::Fastener, &fastener.name));
+    Err(error_of(resolver, "fastener", &fastener.name, fault, &parts))
+}
+
+/// Contacts and springs of a body.
+fn supports(assembly: &Assembly, body: usize) -> impl Iterator<Item = BlockRef> {
+    let own = assembly.connections().filter(move |own| own.acts_on(body));
+    let blocks = own.map(|own| own.block);
+    blocks.filter(|block| matches!(block.family, Family::Contact | Family::Spring))
 }
 
 /// The fault of a body that starts deep inside a stop.
-fn inside(contact: &Contact, index: usize, body: &Body, travel: f64) -> Option<Fault> {
-    let (side, at) = contact.limit(index, body.parent)?;
+fn overlap_fault(contact: &Contact, index: usize, body: &Body, travel: f64) -> Option<Fault> {
+    let (side, at) = contact.stop_for(index, body.parent)?;
     let overlap = match side {
         Stop::Below => travel - at,
         Stop::Above => at - travel,

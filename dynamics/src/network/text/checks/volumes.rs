@@ -1,6 +1,6 @@
 //! Checks that volumes can change and do not collapse.
 
-use super::place::{error_of, stop};
+use super::place::{error_of, stop_position};
 use crate::network::assembly::{Assembly, Face, Family, Space, Start, Stop};
 use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
@@ -69,7 +69,7 @@ fn smallest_at(assembly: &Assembly, face: &Face, faces: &[&Face]) -> f64 {
     let growth: f64 = faces.iter().map(|face| face.push.sign() * face.area).sum();
     let side = if growth > 0.0 { Stop::Above } else { Stop::Below };
     match (
-        stop(assembly, face.body, face.against, side),
+        stop_position(assembly, face.body, face.against, side),
         assembly.bodies[face.body].start,
     ) {
         (Some(at), _) => at,
