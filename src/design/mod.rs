@@ -106,6 +106,9 @@ pub(crate) use renamed::renames;
 pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
 
+/// A group of keys that every design has, and no file with an assembly alone.
+const OF_DESIGNS: &str = "acoustics";
+
 /// A design: every quantity in SI units, with its origin.
 ///
 /// The groups are fields of the design: `design.supply.pressure` is the supply pressure in Pa. A program may change
@@ -205,7 +208,7 @@ impl Design {
     }
 
     /// The assembly of a file and those it inherits from, together with the design whose keys it uses; alone if no base
-    /// is given. `None` if no file has a table `[cycle]`.
+    /// is given and the file is not a design itself. `None` if no file has a table `[cycle]`.
     ///
     /// # Errors
     /// Same as [`load`](Self::load).
@@ -214,13 +217,16 @@ impl Design {
         assignments: &[Assignment],
     ) -> Result<Option<LoadedAssembly>, DesignError> {
         let files = File::read(path, None)?.chain()?;
-        let has_base = files.len() > 1;
+        let mut of_design = files.len() > 1;
+        for file in &files {
+            of_design |= file.table()?.contains_key(OF_DESIGNS);
+        }
         let over = assignments.iter().rev().map(Assignment::file);
         let chain: Vec<File> = over.chain(files).collect();
         if !assembly::has_cycle(&chain)? {
             return Ok(None);
         }
-        if has_base {
+        if of_design {
             return Ok(Some(LoadedAssembly::OfDesign(Box::new(Self::load_with(
                 path,
                 assignments,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::network::of_network;
 use super::{Exports, File, Output, RunView, Writer};
-use super::{body_fields, paraview, transducers};
+use super::{blow, body_fields, paraview, transducers};
 use super::{
     events, figures, histories, intervals, levels, log, loudness, microphones, motion_bands, power, radiation, ranking,
     result, sensors,
@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 /// Every output of a run.
-pub const OUTPUTS: [Output; 26] = [
+pub const OUTPUTS: [Output; 27] = [
     result::RESULT,
     result::REPORT,
     ranking::RANKING,
@@ -26,6 +26,7 @@ pub const OUTPUTS: [Output; 26] = [
     events::EVENTS,
     log::LOG,
     histories::HISTORIES,
+    blow::BLOWS,
     body_fields::MODES,
     body_fields::FIELDS,
     paraview::SCRIPT,

@@ -1,5 +1,6 @@
 //! Outputs of a run: each has a name, a condition and a writer, and [`OUTPUTS`] lists them all.
 
+mod blow;
 mod body_fields;
 mod columns;
 mod dataset;

@@ -3,7 +3,8 @@
     blind.py NAILNOISE PAGE            the predictions of the designs as they are, to the digit (four runs)
     blind.py NAILNOISE PAGE --update   writes the tables; the intervals of the levels are those of the shipped studies
     ... --draws FILE                   with --update: draws.csv of `nailnoise study designs/n80cb-as-filmed.toml`, for
-                                       the intervals between events; without it their cells stay empty
+                                       the intervals between events and those of the accelerations, from the first 32
+                                       draws, each a run; without it their cells stay empty
 
 The source measured accelerations and events on grooved blocks and levels on plain ones; so do the designs here. No
 table contains a measurement, and nothing outside the repository is read.
@@ -35,6 +36,8 @@ INTERVALS = [
 # Events of chapter 4 of the source, and their names in its chapter 1.
 CHAPTER_1 = {"t0": "t0", "t4": "t1", "t6": "t2", "t7": "t4", "t8": "t5", "t9": "t6", "t14": "t9", "t15": "t11", "t16": "t12"}
 LEADING = 10.0
+# Runs of draws for the intervals of accelerations.
+RUNS = 32
 THIRDS = [50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150, 4000, 5000, 6300, 8000, 10000]
 
 
@@ -71,7 +74,12 @@ def markdown(header, rows):
     return "".join("| " + " | ".join(line) + " |\n" for line in [header, alignment, *rows])
 
 
-def sensors(results):
+def sensors(program, results, draws):
+    def rms(setup, draw):
+        result, _ = run(program, FILMED, [*SETUPS[setup], *draw])
+        return {own["name"]: own["rms_g"] for own in result["sensors"]}
+
+    shots = {setup: [rms(setup, draw) for draw in draws[:RUNS]] for setup in SETUPS}
     rows = []
     for setup, name in SENSORS:
         result, spectrum = results[setup]
@@ -81,8 +89,11 @@ def sensors(results):
         bands = third_octaves(spectrum, name)
         loudest = sorted(range(len(bands)), key=lambda place: -bands[place])[:3]
         largest = ", ".join(f"{THIRDS[place]} Hz {bands[place] / GRAVITY:.2f}" for place in loudest)
-        rows.append([f"{name}, {setup}", f"{own['rms_g']:.2f}", f"{own['peak_g']:.0f}", largest])
-    return markdown(["sensor", "RMS over 1 s [g]", "peak [g]", "largest third octaves, RMS in g"], rows)
+        found = [shot[name] for shot in shots[setup] if name in shot]
+        interval = f"{quantile(found, 0.05):.1f} .. {quantile(found, 0.95):.1f}" if found else ""
+        rows.append([f"{name}, {setup}", f"{own['rms_g']:.2f}", interval, f"{own['peak_g']:.0f}", largest])
+    header = ["sensor", "RMS over 1 s [g]", "5 .. 95 % [g]", "peak [g]", "largest third octaves, RMS in g"]
+    return markdown(header, rows)
 
 
 def levels(results):
@@ -150,8 +161,8 @@ def cycle(program, settings=()):
         return json.loads(done.stdout)["events"] if done.returncode in (0, 1, 3) else None
 
 
-def drawn(program, path):
-    """Events of the shots of draws.csv; those that a cycle refuses are left out."""
+def drawn(path):
+    """Settings of the shots of draws.csv."""
     with open(path, newline="") as file:
         draws = list(csv.DictReader(file))
     keys = [name for name in draws[0] if "." in name.split(" [")[0] and not name.startswith("method.")]
@@ -167,10 +178,9 @@ def drawn(program, path):
             elif draw[name]:
                 value = draw[name] if unit == "-" else f"{draw[name]} {unit}"
                 settings.append(f"{key}={value}")
-        return cycle(program, settings)
+        return settings
 
-    with ThreadPoolExecutor(2) as pool:
-        return [events for events in pool.map(one, draws) if events]
+    return [one(draw) for draw in draws]
 
 
 def quantile(values, share):
@@ -182,7 +192,9 @@ def quantile(values, share):
 
 def events(program, draws):
     own = cycle(program)
-    shots = drawn(program, draws) if draws else []
+    with ThreadPoolExecutor(2) as pool:
+        # A cycle refuses some draws, whose dimensions conflict.
+        shots = [events for events in pool.map(lambda draw: cycle(program, draw), draws) if events]
     rows = []
     for start, end in INTERVALS:
         if own[start] is None or own[end] is None:
@@ -195,10 +207,11 @@ def events(program, draws):
     return markdown(["interval, events of ch. 4", "design [ms]", "5 .. 95 % [ms]", "in ch. 1"], rows)
 
 
-def statements(program, draws):
+def statements(program, path):
+    draws = drawn(path) if path else []
     results = {setup: run(program, design) for setup, design in DESIGNS.items()}
     filmed = {setup: run(program, FILMED, settings) for setup, settings in SETUPS.items()}
-    parts = [("Accelerometers (grooved block)", sensors(filmed)), ("Levels (plain block)", levels(results))]
+    parts = [("Accelerometers (grooved block)", sensors(program, filmed, draws)), ("Levels (plain block)", levels(results))]
     parts += [("Leading source in each third octave (plain block)", leading(results))]
     parts += [("Maxima of the spectra (plain block)", maxima(results))]
     parts += [("Intervals between events (grooved block)", events(program, draws))]

@@ -1,4 +1,5 @@
-//! Changes that are only logged: reversals of bodies and flows, and choking of flows.
+//! Changes that do not switch the right-hand side: reversals of bodies and flows, and choking of flows. They are logged,
+//! and a step ends where a trigger waits for one.
 
 use super::assembly::{Action, BlockRef, Family, Word};
 use super::mode::Mode;
@@ -27,10 +28,23 @@ pub(crate) struct Note {
     pub(crate) state: Vec<f64>,
 }
 
+/// A change that switches a trigger.
+#[derive(Debug, Clone, Copy)]
+struct Awaited {
+    /// Its quantity.
+    index: usize,
+    /// Direction of the change of sign; both if `None`.
+    rising: Option<bool>,
+    /// Switch of the trigger, and its state afterwards.
+    switch: usize,
+    state: bool,
+}
+
 /// Quantities whose sign changes are logged.
 #[derive(Debug, Clone)]
 pub(crate) struct Watch {
     list: Vec<Kind>,
+    awaited: Vec<Awaited>,
     /// Heights at the last point.
     pub(crate) last: Vec<f64>,
     /// For each body, the largest speed since its last reversal, and the last reversal after slow motion, which counts
@@ -57,6 +71,7 @@ impl Watch {
         }
         Self {
             last: vec![0.0; list.len()],
+            awaited: awaited(plan, &list),
             list,
             swing: vec![0.0; plan.bodies.len()],
             slow: vec![None; plan.bodies.len()],
@@ -65,6 +80,20 @@ impl Watch {
 
     pub(crate) fn len(&self) -> usize {
         self.list.len()
+    }
+
+    /// Quantities that change their sign between two points such that a trigger switches.
+    pub(crate) fn switching<'a>(
+        &'a self,
+        before: &'a [f64],
+        after: &'a [f64],
+        mode: &'a Mode,
+    ) -> impl Iterator<Item = usize> + 'a {
+        let switches = move |own: &&Awaited| {
+            let [from, to] = [before, after].map(|heights| heights[own.index] > 0.0);
+            from != to && own.rising.is_none_or(|rising| rising == to) && mode.is_on(own.switch) != own.state
+        };
+        self.awaited.iter().filter(switches).map(|own| own.index)
     }
 
     /// Heights of a state in the workspace.
@@ -133,4 +162,38 @@ impl Watch {
             }
         }
     }
+}
+
+/// The changes for which triggers wait.
+fn awaited(plan: &Plan, list: &[Kind]) -> Vec<Awaited> {
+    let mut awaited = Vec::new();
+    for (trigger, switch) in plan.assembly.triggers.iter().zip(&plan.triggers) {
+        for (words, state) in [(&trigger.set, true), (&trigger.clear, false)] {
+            for word in words {
+                let is_of = |kind: &Kind| {
+                    let (family, index) = match *kind {
+                        Kind::Turn { body, .. } => (Family::Body, body),
+                        Kind::Direction(passage) | Kind::Choking(passage) => (Family::Passage, passage),
+                    };
+                    let is_choking = matches!(word.action, Action::Choked | Action::Unchoked);
+                    let is_change = is_choking || word.action == Action::Reverses;
+                    is_change
+                        && is_choking == matches!(kind, Kind::Choking(_))
+                        && word.block == BlockRef { family, index }
+                };
+                let rising = match word.action {
+                    Action::Choked => Some(true),
+                    Action::Unchoked => Some(false),
+                    _ => None,
+                };
+                awaited.extend(list.iter().position(is_of).map(|index| Awaited {
+                    index,
+                    rising,
+                    switch: *switch,
+                    state,
+                }));
+            }
+        }
+    }
+    awaited
 }

@@ -311,6 +311,15 @@ fn laws_of_the_network_are_checked() {
             ],
         ),
         (
+            "[cycle.fastener.second]\ndriver = \"piston\"\ninto = \"workpiece\"\nhead_at = \"50 mm\"\ntip_at = \"2 mm\"\n\
+             length = \"50 mm\"\nmass = \"1 g\"\nlaw = { kind = \"constant\", force = \"600 N\" }\n\
+             head_stiffness = \"1 kN/mm\"\nunloading = \"5 kN/mm\"",
+            &[
+                "`cycle.fastener.second.driver` names \"piston\", which drives \"nail\" already",
+                "describe both as one fastener",
+            ],
+        ),
+        (
             "[cycle.force.extra]\non = \"tool\"\njet = \"intake\"\nshare = 1",
             &[
                 "names \"intake\", which is no passage to the atmosphere",

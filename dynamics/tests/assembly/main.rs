@@ -15,4 +15,5 @@ mod places;
 mod random;
 mod runs;
 mod shipped;
+mod triggers;
 mod unused;

@@ -104,7 +104,7 @@ impl AssembledTool {
     /// [`Error::Network`] with the place of the block at fault.
     pub fn record(&self) -> Result<Record, Error> {
         let assembly = &self.resolved.assembly;
-        Ok(network::simulate(assembly, &self.numerics).map_err(|error| self.text.placed(assembly, error))?)
+        Ok(network::simulate_balanced(assembly, &self.numerics).map_err(|error| self.text.placed(assembly, error))?)
     }
 }
 

@@ -43,6 +43,14 @@ fn springs(design: &Design) -> Result<Vec<Support>, Error> {
     Ok(springs)
 }
 
+/// The elastic blows on the fasteners in the workpiece; none if all are rigid.
+///
+/// # Errors
+/// Those of a cycle that are found before its run.
+pub(crate) fn blows(design: &Design, engine: &Engine) -> Result<Vec<BlowInput>, Error> {
+    Ok(fastener(design, engine)?.map_or_else(Vec::new, |fastener| fastener.blows))
+}
+
 /// The fastener in the workpiece; none for a tool that drives none.
 ///
 /// # Errors

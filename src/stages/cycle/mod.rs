@@ -71,7 +71,7 @@ impl AssembledCycle {
     /// # Errors
     /// [`Error::Network`] with the place of the block at fault.
     pub fn record(&self) -> Result<Record, Error> {
-        network::simulate(&self.assembly, &self.numerics).map_err(|error| self.placed(error))
+        network::simulate_balanced(&self.assembly, &self.numerics).map_err(|error| self.placed(error))
     }
 
     /// The error of a run, with the place of the block at fault.

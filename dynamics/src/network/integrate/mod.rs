@@ -384,7 +384,7 @@ impl<'p> Run<'p> {
                 Ok(())
             };
             let stretch = self.stretch(from, to, &mut at)?;
-            let (used, mut event) = (stretch.used, stretch.event);
+            let (used, mut is_cut, mut event) = (stretch.used, stretch.is_cut, stretch.event);
             if self.recording {
                 self.note_levels(from, used, &mut at)?;
             }
@@ -395,7 +395,7 @@ impl<'p> Run<'p> {
                 if self.window.is_none() && self.end < t_end {
                     // Samples, peaks and balances of the step end with the record.
                     t_end = self.end;
-                    event = None;
+                    (is_cut, event) = (false, None);
                     self.fresh = false;
                     at(t_end, &mut self.points[used - 1].1)?;
                 }
@@ -421,7 +421,7 @@ impl<'p> Run<'p> {
             if let Some(slot) = event {
                 self.cross(slot)?;
             }
-            let ended = event.is_some() || due || self.is_through();
+            let ended = is_cut || due || self.is_through();
             let next = solver.state().h;
             if ended || stiff.as_mut().is_some_and(|stiff| stiff(self.t, &self.y, next)) {
                 let statistics = solver.get_statistics();

@@ -6,9 +6,11 @@ use crate::network::error::RunError;
 use crate::network::locate::locate;
 use crate::network::record::{LogEntry, logged_state, restriction_name};
 
-/// A step up to the first condition that becomes false.
+/// A step up to the first condition that becomes false, or the first change that switches a trigger.
 pub(super) struct Stretch {
     pub(super) used: usize,
+    /// Whether it ends before the step does.
+    pub(super) is_cut: bool,
     /// Slot of the event that ends it.
     pub(super) event: Option<usize>,
 }
@@ -65,7 +67,8 @@ impl Run<'_> {
         self.events.record_word(word, time, plan, &self.mode, &self.w);
     }
 
-    /// The step from `from` to `to`, up to the first condition that becomes false, stored in `points`.
+    /// The step from `from` to `to`, up to the first condition that becomes false or the first change that switches a
+    /// trigger, stored in `points`.
     pub(super) fn stretch(
         &mut self,
         from: f64,
@@ -82,7 +85,7 @@ impl Run<'_> {
             at(*time, y)?;
         }
         let mut left = from;
-        let mut found: Option<(f64, usize)> = None;
+        let mut found: Option<(f64, Option<usize>)> = None;
         for k in 0..POINTS {
             let t = self.points[k].0;
             plan.observe(self.need, t, &self.points[k].1, mode, &mut self.w);
@@ -90,7 +93,21 @@ impl Run<'_> {
             slots.margins(plan, mode, &self.w, &mut self.right);
             self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
             self.watch.measure(t, plan, mode, &self.w, &mut self.watched[k]);
-            if exceed(&self.right, &slots.event_tolerances) {
+            let watched = if k == 0 { &self.watch.last } else { &self.watched[k - 1] };
+            for i in self.watch.switching(watched, &self.watched[k], mode) {
+                let (watch, w, scratch) = (&self.watch, &mut self.w, &mut self.y);
+                let height = |t: f64| {
+                    at(t, scratch)?;
+                    plan.instant(scratch, mode, w);
+                    Ok(watch.height(i, t, plan, mode, w))
+                };
+                let time = locate(left, t, watched[i], self.watched[k][i], height)?;
+                self.fresh = false;
+                if found.is_none_or(|(earliest, _)| time < earliest) {
+                    found = Some((time, None));
+                }
+            }
+            if found.is_none() && exceed(&self.right, &slots.event_tolerances) {
                 self.armed.fill(true);
                 left = t;
                 std::mem::swap(&mut self.margin, &mut self.right);
@@ -113,13 +130,13 @@ impl Run<'_> {
                         left
                     };
                     if found.is_none_or(|(earliest, _)| time < earliest) {
-                        found = Some((time, slot));
+                        found = Some((time, Some(slot)));
                     }
                 }
             }
             left = t;
             std::mem::swap(&mut self.margin, &mut self.right);
-            if let Some((time, slot)) = found {
+            if let Some((time, event)) = found {
                 self.points[k].0 = time;
                 at(time, &mut self.points[k].1)?;
                 plan.observe(self.need, time, &self.points[k].1, mode, &mut self.w);
@@ -128,12 +145,14 @@ impl Run<'_> {
                 self.watch.measure(time, plan, mode, &self.w, &mut self.watched[k]);
                 return Ok(Stretch {
                     used: k + 1,
-                    event: Some(slot),
+                    is_cut: true,
+                    event,
                 });
             }
         }
         Ok(Stretch {
             used: POINTS,
+            is_cut: false,
             event: None,
         })
     }

@@ -310,6 +310,14 @@ pub enum Fault {
         /// Energy of the contact \[J\].
         energy: f64,
     },
+    /// A body drives two fasteners.
+    #[error("names \"{driver}\", which drives \"{other}\" already")]
+    TwoFasteners {
+        /// Driver.
+        driver: String,
+        /// The other fastener.
+        other: String,
+    },
     /// A driver starts beyond the head of its fastener.
     #[error("has its head {:.3} mm above the start of \"{driver}\", which never strikes it", beyond * 1e3)]
     PastHead {
@@ -437,6 +445,10 @@ impl Fault {
             }
             Self::InsideStop { .. } => {
                 "let it start outside the stop, or rest on it as start = { rest_on = \"NAME\" }".to_owned()
+            }
+            Self::TwoFasteners { .. } => {
+                "describe both as one fastener, with the sum of their masses and resistances, or give each a driver"
+                    .to_owned()
             }
             Self::PastHead { driver, .. } => format!("increase `head_at`, or let \"{driver}\" start above it"),
             Self::Circle { .. } => "break the circle: one of them must be given by other quantities".to_owned(),

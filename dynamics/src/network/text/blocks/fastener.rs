@@ -12,7 +12,7 @@ use crate::network::text::resolver::Resolver;
 
 /// Fasteners that the bodies drive.
 pub(super) fn fasteners(resolver: &Resolver<'_>, bodies: &[Body]) -> Result<Vec<Fastener>, AssemblyError> {
-    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+    let read = |(name, fields): (&str, &Fields<'_, '_>)| {
         let law = fields.table("law")?.ok_or_else(|| fields.missing("law"))?;
         let driver = fields.index("driver", Family::Body, "body")?;
         let into = fields.base("into")?.ok_or_else(|| fields.missing("into"))?;
@@ -41,10 +41,20 @@ pub(super) fn fasteners(resolver: &Resolver<'_>, bodies: &[Body]) -> Result<Vec<
             },
         })
     };
-    each(resolver, Family::Fastener, &FASTENER)?
-        .into_iter()
-        .map(read)
-        .collect()
+    let blocks = each(resolver, Family::Fastener, &FASTENER)?;
+    let mut fasteners: Vec<Fastener> = Vec::with_capacity(blocks.len());
+    for (name, fields) in blocks {
+        let fastener = read((name, &fields))?;
+        if let Some(other) = fasteners.iter().find(|other| other.driver == fastener.driver) {
+            let driver = bodies
+                .get(fastener.driver)
+                .map_or_else(String::new, |own| own.name.clone());
+            let other = other.name.clone();
+            return Err(fields.error("driver", Fault::TwoFasteners { driver, other }));
+        }
+        fasteners.push(fastener);
+    }
+    Ok(fasteners)
 }
 
 /// The law of a fastener that a mass drives \[kg\].
