@@ -9,10 +9,10 @@ use nailnoise_dynamics::network::{Assembly, Record};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELOCITY, VOLUME};
 
-use super::shot::interpolated;
 use super::spread::{self, Spread};
 use crate::result::free_air;
 use crate::sensitivity::AssemblyOutput;
+use crate::sensitivity::interpolated;
 use crate::stages::cycle::outflows;
 
 /// Groups of figures that can be measured; forces inside the tool cannot, and times are measured as intervals.

@@ -6,9 +6,10 @@ use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{LENGTH, PRESSURE, TIME, VELOCITY, VOLUME};
 
 use super::assembly_quantities::AssemblyQuantity;
-use super::shot::{Shot, interpolated};
+use super::shot::Shot;
 use super::spread::{self, Spread};
 use crate::result::free_volume;
+use crate::sensitivity::interpolated;
 
 /// Events whose times a user can state: t0 to t18.
 const EVENTS: usize = 19;

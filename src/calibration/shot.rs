@@ -104,14 +104,6 @@ pub(super) fn assembly_of(design: &Design) -> Result<Option<Assembly>, Error> {
     Ok(inputs::assembly::cycle(design)?.map(|own| own.assembly))
 }
 
-/// A history with a sampling interval at a given time, interpolated linearly; none outside the record.
-pub(super) fn interpolated(values: &[f64], interval: f64, time: f64) -> Option<f64> {
-    let place = time / interval;
-    let index = place.floor().max(0.0) as usize;
-    let (low, high) = (values.get(index)?, values.get(index + 1).or(values.get(index))?);
-    Some(low + (high - low) * (place - index as f64))
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]

@@ -2,17 +2,25 @@
 
 use nailnoise_dynamics::network::assembly::{Space, Stop};
 use nailnoise_dynamics::network::{Assembly, Record};
+use nailnoise_quantities::Dimension;
+use nailnoise_quantities::dimension::{
+    ACCELERATION, FORCE, LENGTH, MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VELOCITY, VOLUME,
+};
 
-use super::outputs::peak;
+use super::outputs::{interpolated, peak};
 use crate::error::Error;
+
+/// The group of the figures of histories.
+const HISTORIES: &str = "histories";
 
 /// A figure of the shot of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AssemblyOutput {
     /// Its name in the output: that of an event, `speed_before_FASTENER`, `FASTENER_depth`, `peak_BLOCK_force`,
-    /// `OPENING_mass`.
+    /// `OPENING_mass`, `peak BLOCK.QUANTITY`, `BLOCK.QUANTITY at EVENT`.
     pub name: String,
-    /// The group by which it can be chosen: `speed`, `penetration`, `events`, `forces` or `masses`.
+    /// The group by which it can be chosen: `speed`, `penetration`, `events`, `forces` or `masses`; that of a history
+    /// is `histories`, which is chosen by single names only.
     pub group: &'static str,
     /// SI unit.
     pub unit: &'static str,
@@ -31,6 +39,8 @@ enum Read {
     Last(String),
     /// Largest value of a channel times a sign.
     Peak(String, f64),
+    /// Value of a channel at an event.
+    At(String, String),
     /// An integral times a sign.
     Integral(String, f64),
 }
@@ -45,6 +55,7 @@ impl AssemblyOutput {
             Read::After(fastener) => Some(strike(fastener)?.after),
             Read::Last(channel) => record.get(channel)?.last().copied(),
             Read::Peak(channel, sign) => Some(peak(record.get(channel)?, *sign)),
+            Read::At(channel, event) => interpolated(record.get(channel)?, record.interval?, record.event(event)?),
             Read::Integral(name, sign) => record.integral(name).map(|value| sign * value),
         }
     }
@@ -110,22 +121,51 @@ impl AssemblyOutput {
         all
     }
 
-    /// The figures of an assembly with these names or in these groups; `all` selects every figure. Without names, the
-    /// groups `speed`, `penetration` and `masses`.
+    /// The figure of a history: `peak BLOCK.QUANTITY`, or `BLOCK.QUANTITY at EVENT`.
+    fn of_history(assembly: &Assembly, name: &str) -> Option<Self> {
+        let (channel, event) = match name.strip_prefix("peak ") {
+            Some(channel) => (channel.trim(), None),
+            None => name
+                .split_once(" at ")
+                .map(|(channel, event)| (channel.trim(), Some(event.trim())))?,
+        };
+        let (_, dimension) = assembly.quantities().into_iter().find(|(own, _)| own == channel)?;
+        let read = match event {
+            None => Read::Peak(channel.to_owned(), 1.0),
+            Some(event) => {
+                assembly.events.iter().find(|own| own.name == event)?;
+                Read::At(channel.to_owned(), event.to_owned())
+            }
+        };
+        Some(Self {
+            name: name.to_owned(),
+            group: HISTORIES,
+            unit: unit(dimension),
+            read,
+        })
+    }
+
+    /// The figures of an assembly with these names or in these groups; `all` selects every figure but those of
+    /// histories. Without names, the groups `speed`, `penetration` and `masses`.
     ///
     /// # Errors
     /// [`Error::NoSuchOutput`] for the first name that is neither a figure nor a group.
     pub fn choose(assembly: &Assembly, names: &[impl AsRef<str>]) -> Result<Vec<Self>, Error> {
-        let all = Self::all(assembly);
+        let mut all = Self::all(assembly);
         let names: Vec<&str> = match names.is_empty() {
             true => vec!["speed", "penetration", "masses"],
             false => names.iter().map(|name| name.as_ref().trim()).collect(),
         };
+        all.extend(names.iter().filter_map(|name| Self::of_history(assembly, name)));
         let groups = ["speed", "penetration", "events", "forces", "masses", "all"];
-        let is = |own: &Self, name: &str| name == "all" || own.name == name || own.group == name;
+        let is =
+            |own: &Self, name: &str| own.name == name || own.group == name || (name == "all" && own.group != HISTORIES);
         let known = |name: &str| groups.contains(&name) || all.iter().any(|own| own.name == name);
         if let Some(name) = names.iter().find(|name| !known(name)) {
-            let known: Vec<&str> = all.iter().map(|own| own.name.as_str()).collect();
+            let known = all.iter().map(|own| own.name.as_str());
+            let known: Vec<&str> = known
+                .chain(["peak BLOCK.QUANTITY", "BLOCK.QUANTITY at EVENT"])
+                .collect();
             return Err(Error::NoSuchOutput {
                 name: (*name).to_owned(),
                 known: known.join(", "),
@@ -137,4 +177,21 @@ impl AssemblyOutput {
             .cloned()
             .collect())
     }
+}
+
+/// SI unit of a history.
+fn unit(dimension: Dimension) -> &'static str {
+    const UNITS: [(Dimension, &str); 9] = [
+        (LENGTH, "m"),
+        (VELOCITY, "m/s"),
+        (ACCELERATION, "m/s2"),
+        (MASS, "kg"),
+        (MASS_FLOW, "kg/s"),
+        (PRESSURE, "Pa"),
+        (TEMPERATURE, "K"),
+        (VOLUME, "m3"),
+        (FORCE, "N"),
+    ];
+    let own = UNITS.iter().find(|(own, _)| *own == dimension);
+    own.map_or("-", |(_, unit)| unit)
 }

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 pub use assembly_outputs::AssemblyOutput;
+pub(crate) use outputs::interpolated;
 pub use outputs::{OUTPUTS, Output, USUAL, choose};
 
 use crate::design::inputs::assembly::{AssembledTool, cycle as assembled};

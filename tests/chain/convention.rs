@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use nailnoise::Design;
 use nailnoise::chain::{Chain, Options};
-use nailnoise::design::{Convention, FillingGas, FittingKind, RadiationMethod, VentSource};
+use nailnoise::design::{Convention, FittingGas, FittingKind, RadiationMethod, VentSource};
 use nailnoise::result::{BandLevel, IntervalLevel, RankedSource};
 use nailnoise::run::Run;
 use nailnoise_meshes::{FaceGroup, FaceRef, Surface};

@@ -272,7 +272,14 @@ fn the_impact_of_an_assembly_depends_on_the_mass_of_its_fastener_by_momentum() {
 fn differences_of_literals_made_by_hand_agree_within_the_error() {
     let design = stapler();
     let keys = ["staple.force", "cycle.contact.support.stiffness"];
-    let names = ["speed_before_staple", "staple_depth", "stop", "peak_staple_force"];
+    let names = [
+        "speed_before_staple",
+        "staple_depth",
+        "stop",
+        "peak_staple_force",
+        "peak above.pressure",
+        "above.pressure at stop",
+    ];
     let outputs = assembly_outputs(&design, &names).unwrap().unwrap();
     let s = of_assembly(&design, &names, &keys);
     for (key, value, step) in [(keys[0], 180.0, 0.9), (keys[1], 1e8, 1e6)] {

@@ -6,7 +6,7 @@ use nailnoise_quantities::dimension::{
 };
 
 use super::node::{Node, Spot};
-use crate::network::assembly::{Action, BlockRef, Family, Quantity};
+use crate::network::assembly::{Action, Assembly, BlockRef, Family, Quantity};
 
 /// Families whose blocks have channels, by the name of their table.
 pub(super) const CHANNELS: [(&str, Family); 13] = [
@@ -122,6 +122,21 @@ pub(super) fn quantities(family: Family) -> &'static [(&'static str, Quantity)] 
             ("guide_force", Q::GuideForce),
         ],
         Family::Trigger => &[("on", Q::On)],
+    }
+}
+
+impl Assembly {
+    /// The quantities of all blocks by their names in expressions, as `piston.travel`, with their dimensions.
+    pub fn quantities(&self) -> Vec<(String, Dimension)> {
+        let mut all = Vec::new();
+        for (_, family) in CHANNELS {
+            let named = (0..).map(|index| self.name_of(BlockRef { family, index }));
+            for block in named.take_while(|name| !name.is_empty()) {
+                let own = quantities(family).iter();
+                all.extend(own.map(|(name, quantity)| (format!("{block}.{name}"), dimension(*quantity))));
+            }
+        }
+        all
     }
 }
 
