@@ -83,7 +83,7 @@ pub fn simulate_balanced(assembly: &Assembly, numerics: &Numerics) -> Result<Rec
     let mut numerics = *numerics;
     let mut record = simulate(assembly, &numerics)?;
     for _ in 0..REFINEMENTS {
-        if record.checks.iter().all(|check| check.ok) {
+        if record.is_certified() {
             break;
         }
         numerics.relative_tolerance *= 0.1;

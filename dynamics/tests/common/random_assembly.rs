@@ -38,8 +38,8 @@ pub(crate) fn first_seed() -> u64 {
 }
 
 /// The text of a random assembly: volumes (none in one of six texts), bodies with balanced faces, passages of all kinds
-/// with their options, contacts, springs, friction, a trigger and events; formulas over a key; blocks that an `if`
-/// switches; a fastener with a blow.
+/// with their options, contacts, springs, friction, triggers and events; formulas over a key; blocks that an `if`
+/// switches; a fastener with a blow; gravity, a motor, a latch that follows a word, a jet, a sensor and an outcome.
 pub(crate) fn random_assembly(random: &mut Random) -> String {
     let (volumes, bodies) = (random.below(6), random.below(4));
     let mut text = String::from(
@@ -186,6 +186,71 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
     }
     if bodies > 0 && random.chance(60) {
         text.push_str(&fastener(random));
+    }
+    if bodies > 0 && random.chance(70) {
+        text.push_str(&mechanisms(random, bodies, volumes));
+    }
+    if random.chance(50) {
+        text = text.replacen("end = ", "gravity = \"9.81 m/s2\"\nend = ", 1);
+    }
+    text
+}
+
+/// A motor, a latch, a jet and laws of contacts, springs and friction on some of the bodies.
+fn mechanisms(random: &mut Random, bodies: usize, volumes: usize) -> String {
+    let (body, other) = (random.below(bodies), random.below(bodies));
+    let mut text = format!(
+        "[cycle.sensor]\nheight = {{ is = \"b{body}.travel + 1 mm\", unit = \"m\" }}\n\
+         [cycle.outcome]\nstruck = \"strikes\"\nheld = \"held.on > 0\"\n"
+    );
+    let mut words = vec![
+        format!("below{body} closes"),
+        format!("above{other} opens"),
+        format!("b{other} reverses"),
+    ];
+    if volumes > 0 {
+        words.extend(["choked", "unchoked", "reverses"].map(|word| format!("p{} {word}", random.below(volumes))));
+    }
+    let set = &words[random.below(words.len())];
+    let clear = [
+        "",
+        "clear = \"above0 closes\"\n",
+        "schedule = [[\"4 ms\", true]]\n",
+    ][random.below(3)];
+    let _ = write!(
+        text,
+        "[cycle.trigger.held]\nset = \"{set}\"\n{clear}\
+         [cycle.hold.latch]\non = \"b{body}\"\nstiffness = \"{:.3} kN/mm\"\nwhile = \"held\"\n",
+        random.between(0.1, 5.0)
+    );
+    if random.chance(50) {
+        let while_ = ["pulled", "held"][random.below(2)];
+        let _ = write!(
+            text,
+            "[cycle.motor.drive]\non = \"b{other}\"\npush = \"up\"\nstall = \"200 N\"\nfree_speed = \"4 m/s\"\n\
+             while = \"{while_}\"\n"
+        );
+    }
+    let laws = [
+        "[cycle.contact.pad]\nacts = { on = \"bB\", stop = \"below\", at = \"4 mm\", stiffness = 3e7, exponent = 1.5, \
+         hysteresis = \"0.3 s/m\" }\n",
+        "[cycle.contact.glue]\nacts = { on = \"bB\", stop = \"below\", at = \"3 mm\", stiffness = \"50 N/mm\", \
+         damping_ratio = 0.1, may_pull = true }\n",
+        "[cycle.spring.coil]\nacts = { on = \"bB\", push = \"up\", polynomial = [2, 400, 3e4] }\n",
+        "[cycle.friction.brake]\non = \"bB\"\nstatic = \"20 N\"\nsliding = \"12 N\"\n\
+         stick = { stiffness = \"1 kN/mm\", damping = \"10 N s/m\" }\n",
+        "[cycle.force.ramp]\non = \"bB\"\ntable = [[\"0 s\", \"0 N\"], [\"3 ms\", \"60 N\"], [\"9 ms\", \"0 N\"]]\n",
+    ];
+    for law in laws {
+        if random.chance(40) {
+            text.push_str(&law.replace("bB", &format!("b{}", random.below(bodies))));
+        }
+    }
+    if volumes > 0 {
+        let _ = write!(
+            text,
+            "[cycle.force.jet]\non = \"b{other}\"\njet = \"switched\"\nshare = 0.5\nif = \"own.count > 3 and not own.count > 8\"\n"
+        );
     }
     text
 }

@@ -116,7 +116,7 @@ impl Run<'_> {
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
                 if *after > slots.event_tolerances[slot] {
                     self.armed[slot] = true;
-                } else if *after <= 0.0 && (self.armed[slot] || *before <= 0.0) {
+                } else if *after <= 0.0 && (self.armed[slot] || before.min(*after) < 0.0 && *before <= 0.0) {
                     let time = if *before > 0.0 {
                         let w = &mut self.w;
                         let scratch = &mut self.y;

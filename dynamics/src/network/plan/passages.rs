@@ -200,7 +200,7 @@ fn undelayed(passage: &Passage) -> Result<Option<f64>, RunError> {
         ] if *c > 0.0 => Ok(Some(1.0 / c)),
         _ => Err(RunError::Passage {
             name: passage.name.clone(),
-            reason: "loses gas undelayed and has more than one restriction with a constant coefficient",
+            reason: "has leaves = \"undelayed\", which needs a single restriction with a constant coefficient",
         }),
     }
 }
