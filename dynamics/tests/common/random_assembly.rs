@@ -212,11 +212,7 @@ fn mechanisms(random: &mut Random, bodies: usize, volumes: usize) -> String {
         words.extend(["choked", "unchoked", "reverses"].map(|word| format!("p{} {word}", random.below(volumes))));
     }
     let set = &words[random.below(words.len())];
-    let clear = [
-        "",
-        "clear = \"above0 closes\"\n",
-        "schedule = [[\"4 ms\", true]]\n",
-    ][random.below(3)];
+    let clear = ["", "clear = \"above0 closes\"\n", "schedule = [[\"4 ms\", true]]\n"][random.below(3)];
     let _ = write!(
         text,
         "[cycle.trigger.held]\nset = \"{set}\"\n{clear}\
