@@ -1,5 +1,5 @@
-//! Changes that do not switch the right-hand side: reversals of bodies and flows, and choking of flows. They are logged,
-//! and a step ends where a trigger waits for one.
+//! Changes that do not switch the right-hand side: reversals of bodies and flows, and choking of flows. They are
+//! logged, and a step ends where a trigger waits for one.
 
 use super::assembly::{Action, BlockRef, Family, Word};
 use super::mode::Mode;

@@ -311,8 +311,8 @@ fn laws_of_the_network_are_checked() {
             ],
         ),
         (
-            "[cycle.fastener.second]\ndriver = \"piston\"\ninto = \"workpiece\"\nhead_at = \"50 mm\"\ntip_at = \"2 mm\"\n\
-             length = \"50 mm\"\nmass = \"1 g\"\nlaw = { kind = \"constant\", force = \"600 N\" }\n\
+            "[cycle.fastener.second]\ndriver = \"piston\"\ninto = \"workpiece\"\nhead_at = \"50 mm\"\n\
+             tip_at = \"2 mm\"\nlength = \"50 mm\"\nmass = \"1 g\"\nlaw = { kind = \"constant\", force = \"600 N\" }\n\
              head_stiffness = \"1 kN/mm\"\nunloading = \"5 kN/mm\"",
             &[
                 "`cycle.fastener.second.driver` names \"piston\", which drives \"nail\" already",

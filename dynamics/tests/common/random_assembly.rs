@@ -245,7 +245,8 @@ fn mechanisms(random: &mut Random, bodies: usize, volumes: usize) -> String {
     if volumes > 0 {
         let _ = write!(
             text,
-            "[cycle.force.jet]\non = \"b{other}\"\njet = \"switched\"\nshare = 0.5\nif = \"own.count > 3 and not own.count > 8\"\n"
+            "[cycle.force.jet]\non = \"b{other}\"\njet = \"switched\"\nshare = 0.5\n\
+             if = \"own.count > 3 and not own.count > 8\"\n"
         );
     }
     text
