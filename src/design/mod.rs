@@ -217,16 +217,14 @@ impl Design {
         assignments: &[Assignment],
     ) -> Result<Option<LoadedAssembly>, DesignError> {
         let files = File::read(path, None)?.chain()?;
-        let mut of_design = files.len() > 1;
-        for file in &files {
-            of_design |= file.table()?.contains_key(OF_DESIGNS);
-        }
+        let has_base = files.len() > 1;
         let over = assignments.iter().rev().map(Assignment::file);
         let chain: Vec<File> = over.chain(files).collect();
         if !assembly::has_cycle(&chain)? {
             return Ok(None);
         }
-        if of_design {
+        let is_design = |file: &File| Ok(file.table()?.contains_key(OF_DESIGNS));
+        if has_base || chain.last().map_or(Ok(false), is_design)? {
             return Ok(Some(LoadedAssembly::OfDesign(Box::new(Self::load_with(
                 path,
                 assignments,

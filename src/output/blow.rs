@@ -32,7 +32,7 @@ fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let end = blows.iter().map(|(_, blow, _)| blow.samples[1] + 1).max().unwrap_or(0);
     let titles = blows.iter().flat_map(|(input, ..)| {
         let name = &input.fastener.name;
-        ["on the wood", "on the wood, rigid", "of the driver"].map(|force| format!("{name}: force {force} [N]"))
+        ["on the wood", "on the wood (rigid)", "of the driver"].map(|force| format!("{name}: force {force} [N]"))
     });
     let columns: Vec<&[f64]> = blows
         .iter()

@@ -7,7 +7,7 @@ use nailnoise_quantities::dimension::{
     ACCELERATION, FORCE, LENGTH, MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VELOCITY, VOLUME,
 };
 
-use super::outputs::{interpolated, peak};
+use super::outputs::{peak, smoothly_interpolated};
 use crate::error::Error;
 
 /// The group of the figures of histories.
@@ -55,7 +55,9 @@ impl AssemblyOutput {
             Read::After(fastener) => Some(strike(fastener)?.after),
             Read::Last(channel) => record.get(channel)?.last().copied(),
             Read::Peak(channel, sign) => Some(peak(record.get(channel)?, *sign)),
-            Read::At(channel, event) => interpolated(record.get(channel)?, record.interval?, record.event(event)?),
+            Read::At(channel, event) => {
+                smoothly_interpolated(record.get(channel)?, record.interval?, record.event(event)?)
+            }
             Read::Integral(name, sign) => record.integral(name).map(|value| sign * value),
         }
     }

@@ -158,6 +158,27 @@ pub(super) fn peak(values: &[f64], sign: f64) -> f64 {
     }
 }
 
+/// A history with a sampling interval at a given time, by the cubic through the four samples around it; linear between
+/// the first and the last two; none outside the record.
+///
+/// The error of a line changes with the time between the samples. It would exceed that of a derivative.
+pub(super) fn smoothly_interpolated(values: &[f64], interval: f64, time: f64) -> Option<f64> {
+    let place = time / interval;
+    let index = place.floor() as usize;
+    let t = place - index as f64;
+    match (
+        index.checked_sub(1).and_then(|before| values.get(before)),
+        values.get(index..index + 3),
+    ) {
+        (Some(a), Some(&[b, c, d])) => {
+            let [left, right] = [t * (1.0 - t) * (2.0 - t), t * (1.0 - t) * (1.0 + t)];
+            let middle = (1.0 - t) * (1.0 + t) * (2.0 - t) * b + t * (1.0 + t) * (2.0 - t) * c;
+            Some(0.5 * middle - (left * a + right * d) / 6.0)
+        }
+        _ => interpolated(values, interval, time),
+    }
+}
+
 /// A history with a sampling interval at a given time, interpolated linearly; none outside the record.
 pub(crate) fn interpolated(values: &[f64], interval: f64, time: f64) -> Option<f64> {
     let place = time / interval;
@@ -185,6 +206,21 @@ mod tests {
             let mirrored: Vec<f64> = wave.iter().map(|f| -f).collect();
             assert_eq!(peak(&mirrored, -1.0), peak(&wave, 1.0));
         }
+    }
+
+    #[test]
+    fn a_cubic_is_interpolated_exactly() {
+        let cubic = |t: f64| 1.0 + t * (2.0 + t * (-3.0 + 0.5 * t));
+        let samples: Vec<f64> = (0..8).map(|i| cubic(0.1 * f64::from(i))).collect();
+        for time in [0.1, 0.15, 0.37, 0.59] {
+            let found = smoothly_interpolated(&samples, 0.1, time).unwrap_or(f64::NAN);
+            assert!((found - cubic(time)).abs() < 1e-14, "{time}: {found}");
+        }
+        assert_eq!(
+            smoothly_interpolated(&samples, 0.1, 0.05),
+            Some(0.5 * (samples[0] + samples[1]))
+        );
+        assert_eq!(smoothly_interpolated(&samples, 0.1, 0.9), None);
     }
 
     #[test]

@@ -267,3 +267,29 @@ fn a_comparison_names_a_removed_block_once() {
     assert_eq!(rows[0].0, "cycle.friction.seal");
     assert!(rows[0].1[0].is_string() && rows[0].1[1].is_null(), "{rows:?}");
 }
+
+/// A design without a base that changes a number of its tool: `cycle` and `check` read its keys, as `run` does.
+#[test]
+fn a_complete_design_may_change_its_assembly() {
+    let folder = folder("own_assembly/complete");
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+    let change = "\n[cycle.passage.leak]\ncoefficient = 0.7\n";
+    fs::write(folder.join("complete.toml"), text + change).unwrap();
+    let [own, set] = [
+        vec!["cycle", "complete.toml"],
+        vec!["cycle", "complete.toml", "--set", "cycle.passage.leak.coefficient=0.9"],
+    ]
+    .map(|arguments| {
+        let result = printed(&folder, &arguments);
+        let mut events = result["events"].as_array().unwrap().iter();
+        events.find(|event| event["name"] == "t9").unwrap()["time"]
+            .as_f64()
+            .unwrap()
+    });
+    assert!((own - set).abs() > 1e-9 && own > 0.01, "{own} s, {set} s");
+    let checked = command(&["check", "complete.toml"])
+        .current_dir(&folder)
+        .output()
+        .unwrap();
+    assert!(checked.status.success(), "{}", messages(&checked));
+}

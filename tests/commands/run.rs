@@ -101,6 +101,40 @@ fn run_writes_every_file() {
     }
 }
 
+/// The wood takes the momentum of the driver, whether as waves or at once.
+#[test]
+fn the_forces_of_an_elastic_blow_have_the_impulse_of_the_rigid_one() {
+    let out = folder("run-elastic");
+    let blow = [
+        "run",
+        SMALL,
+        "--set",
+        "model.blow=elastic",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let output = nailnoise(&blow);
+    assert!(output.status.success(), "{}", messages(&output));
+    assert!(!SMALL_RUN.out.join("blow.csv").exists());
+    let text = std::fs::read_to_string(out.join("blow.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "time [s],nail: force on the wood [N],nail: force on the wood (rigid) [N],nail: force of the driver [N]"
+    );
+    let rows: Vec<Vec<f64>> = lines
+        .map(|line| line.split(',').map(|field| field.parse().unwrap()).collect())
+        .collect();
+    let impulse = |column: usize| {
+        let pairs = rows.windows(2).map(|pair| (pair[1][0] - pair[0][0]) * pair[1][column]);
+        pairs.sum::<f64>()
+    };
+    let [elastic, rigid, driver] = [1, 2, 3].map(impulse);
+    assert!((elastic / rigid - 1.0).abs() < 0.03, "{elastic} N s, rigid {rigid} N s");
+    // The mass of the nail takes little.
+    assert!((driver / rigid - 1.0).abs() < 0.1, "{driver} N s, rigid {rigid} N s");
+}
+
 #[test]
 fn the_acceleration_of_a_band_is_its_velocity_times_a_frequency_of_the_band() {
     let text = std::fs::read_to_string(SMALL_RUN.out.join("motion.csv")).unwrap();
