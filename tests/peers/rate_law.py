@@ -89,7 +89,7 @@ def row(program, specimen, law, draws):
 
 def main():
     program, page = str(Path(sys.argv[1]).resolve()), Path(sys.argv[2])
-    count = next((int(word) for word in sys.argv[3:] if word.isdigit()), 96)
+    count = next((int(word) for word in sys.argv[3:] if word.isdigit()), 512)
     draws = hypercube(count)
     header = [
         "block", "law", "drive the nail", "others", "no bumper before t9", "mean speed of these, 5 % [m/s]",
