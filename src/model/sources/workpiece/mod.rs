@@ -167,12 +167,12 @@ fn notes(sound: &SourceSound, support: &str, flush: bool) -> SourceNotes {
 /// What the error of the method does not contain of the blow on the fastener.
 fn blow_note(is_elastic: bool) -> String {
     let text = if is_elastic {
-        "the waves of the blow on the fastener converge up to 3.15 kHz; from 6.3 kHz on the force on the wood is known to \
-         10 dB, which the error of the method does not contain"
+        "the waves of the blow on the fastener converge up to 3.15 kHz; from 6.3 kHz on the force on the wood is known \
+         to 10 dB, which the error of the method does not contain"
     } else {
-        "the driver strikes the fastener as a rigid body; the error of the method does not contain the waves of the blow, \
-         which lower the workpiece of the N80CB as tested by 0.2 dB and raise its third octaves at 5, 8 and 10 kHz by 1 \
-         to 2 dB (`model.blow = \"elastic\"`)"
+        "the driver strikes the fastener as a rigid body; the error of the method does not contain the waves of the \
+         blow, which lower the workpiece of the N80CB as tested by 0.2 dB and raise its third octaves at 5, 8 and 10 \
+         kHz by 1 to 2 dB; an elastic blow contains them"
     };
     text.to_owned()
 }
