@@ -158,10 +158,10 @@ pub(super) fn peak(values: &[f64], sign: f64) -> f64 {
     }
 }
 
-/// A history with a sampling interval at a given time, by the cubic through the four samples around it; linear between
-/// the first and the last two; none outside the record.
+/// Interpolates a history at a given time by the cubic through the four samples around it, or linearly between the
+/// first two and the last two; none outside the record.
 ///
-/// The error of a line changes with the time between the samples. It would exceed that of a derivative.
+/// The error of linear interpolation varies with the time between samples, by more than a derivative tolerates.
 pub(super) fn smoothly_interpolated(values: &[f64], interval: f64, time: f64) -> Option<f64> {
     let place = time / interval;
     let index = place.floor() as usize;

@@ -28,20 +28,27 @@ fn time(record: &Record, block: &str, word: &str) -> f64 {
     entry.unwrap_or_else(|| panic!("no {block} {word}")).time
 }
 
-/// The flow unchokes at P/P_hose = (2/2.4)^3.5 = 0.5283.
-#[test]
-fn a_gate_shuts_as_its_flow_unchokes() {
-    let record = record(
-        r#"reservoir.hose = { pressure = "6 barg", temperature = "20 degC" }
-volume.vessel = { dead = "100 cm3", pressure = "101.325 kPa" }
-trigger.filling = { starts = true, clear = "inlet unchoked" }
+/// The record of a vessel that a hose fills until the flow unchokes, with further fields of the gate, and the times at
+/// which the flow unchokes and the gate shuts \[s\].
+fn filled(gate: &str) -> (Record, [f64; 2]) {
+    let record = record(&format!(
+        r#"reservoir.hose = {{ pressure = "6 barg", temperature = "20 degC" }}
+volume.vessel = {{ dead = "100 cm3", pressure = "101.325 kPa" }}
+trigger.filling = {{ starts = true, clear = "inlet unchoked" }}
 [cycle.passage.inlet]
 between = ["hose", "vessel"]
 area = "10 mm2"
-open = { when = "filling" }
-"#,
-    );
-    let [unchoked, shuts] = ["unchoked", "gate shuts"].map(|word| time(&record, "inlet", word));
+open = {{ when = "filling"{gate} }}
+"#
+    ));
+    let times = ["unchoked", "gate shuts"].map(|word| time(&record, "inlet", word));
+    (record, times)
+}
+
+/// The flow unchokes at P/P_hose = (2/2.4)^3.5 = 0.5283.
+#[test]
+fn a_gate_shuts_as_its_flow_unchokes() {
+    let (record, [unchoked, shuts]) = filled("");
     assert!((shuts - unchoked).abs() < 1e-9, "{unchoked} s, {shuts} s");
     let pressure = record.get("vessel.pressure").and_then(<[f64]>::last).copied().unwrap();
     let expected = 701.325e3 * (2.0f64 / 2.4).powf(3.5);
@@ -66,17 +73,7 @@ fn a_latch_catches_a_body_where_it_turns() {
 
 #[test]
 fn a_delay_begins_at_the_word() {
-    let record = record(
-        r#"reservoir.hose = { pressure = "6 barg", temperature = "20 degC" }
-volume.vessel = { dead = "100 cm3", pressure = "101.325 kPa" }
-trigger.filling = { starts = true, clear = "inlet unchoked" }
-[cycle.passage.inlet]
-between = ["hose", "vessel"]
-area = "10 mm2"
-open = { when = "filling", delay = "10 us", before = true }
-"#,
-    );
-    let [unchoked, shuts] = ["unchoked", "gate shuts"].map(|word| time(&record, "inlet", word));
+    let (_, [unchoked, shuts]) = filled(r#", delay = "10 us", before = true"#);
     assert!((shuts - unchoked - 1e-5).abs() < 1e-9, "{unchoked} s, {shuts} s");
 }
 

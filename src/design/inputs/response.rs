@@ -51,7 +51,7 @@ pub(crate) fn blows(design: &Design, engine: &Engine) -> Result<Vec<BlowInput>, 
     Ok(fastener(design, engine)?.map_or_else(Vec::new, |fastener| fastener.blows))
 }
 
-/// Whether the blow on a fastener in the workpiece is elastic; none for a tool that drives none.
+/// Whether the model of the blow on the fastener in the workpiece is elastic; none for a tool that drives none.
 ///
 /// # Errors
 /// Those of a cycle that are found before its run.

@@ -60,7 +60,7 @@ impl KeyValue {
 }
 
 impl Support {
-    /// The keys of the support in use that assemblies read, under a block of wood with this mass \[kg\].
+    /// The keys of the support that assemblies read, for a block of wood of this mass \[kg\] on it.
     pub fn keys(&self, mass: f64) -> impl Iterator<Item = (String, KeyValue)> {
         let keys = [
             ("support.stiffness", self.stiffness, STIFFNESS),
