@@ -139,7 +139,7 @@ fn highest(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Largest rise of the nose off the wood \[m\].
 fn rise(shot: NailerShot<'_>) -> f64 {
-    let [wood, nose] = ["workpiece", "tool"].map(|body| shot.record.history(&format!("{body}.position")));
+    let [wood, nose] = ["workpiece.position", "tool.position"].map(|own| shot.record.history(own));
     highest(wood.iter().zip(nose).map(|(wood, nose)| wood - nose))
 }
 

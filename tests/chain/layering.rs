@@ -201,7 +201,6 @@ const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
         &["workpiece"],
         "a body of an assembly",
     ),
-    ("src/stages/cycle/of_keys.rs", &["exhaust"], "an opening of the tool"),
     ("src/output", &["workpiece", "body"], "a body of the cycle, headings"),
     ("src/report", &["workpiece", "body"], "headings"),
     (
