@@ -25,11 +25,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let volume = p.chambers.above_valve + geometry.valve_control_area * p.head_valve.lift;
     let choked = (g / gas * (2.0 / (g + 1.0)).powf((g + 1.0) / (g - 1.0))).sqrt();
     let flow = p.trigger.vent_area * geometry.attenuation_vent * choked * p0 / t0.sqrt();
-    let sample = (5e-3 / record.sample_interval).round() as usize;
+    let sample = (5e-3 / record.sample_interval()).round() as usize;
     let time = record.time(sample) - geometry.channel_delay;
     let rate = flow * gas * t0 / (p0 * volume);
     let closed = p0 * (1.0 + 0.5 * (g - 1.0) * time * rate).powf(-2.0 * g / (g - 1.0));
-    let found = record.above_valve.pressure[sample];
+    let found = record.history("above_valve.pressure")[sample];
     println!(
         "{:.3} kPa after 5 ms, closed form {:.3} kPa",
         1e-3 * found,

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use nailnoise_dynamics::{CycleRecord, Settings};
+use nailnoise_dynamics::Settings;
 
 use crate::chain;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Assignment, Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::cycle::Cycle;
+use crate::stages::cycle::{Cycle, NailerShot};
 pub use crate::stages::headline::{Figure, Headline, Influence, sentence, unlike};
 use crate::stages::headline::{Influences, Miss, Moved};
 use crate::study::{Axis, Parameter, SweptPoint, at_point, taking_part};
@@ -25,7 +25,7 @@ const SAMPLES: f64 = 50e-6;
 /// The errors of the cycle and of its parameters.
 pub(crate) fn headline_of(graph: &Graph, design: &Design) -> Result<Option<Headline>, Error> {
     match design.assembly() {
-        None => headline(graph, design, &chain::cycle(design)?),
+        None => headline(graph, design, (&chain::cycle(design)?).into()),
         Some(_) => Ok(None),
     }
 }
@@ -37,9 +37,9 @@ pub(crate) fn headline_of(graph: &Graph, design: &Design) -> Result<Option<Headl
 ///
 /// # Errors
 /// The errors of the cycle's parameters.
-pub fn headline(graph: &Graph, design: &Design, record: &CycleRecord) -> Result<Option<Headline>, Error> {
+pub fn headline(graph: &Graph, design: &Design, shot: NailerShot<'_>) -> Result<Option<Headline>, Error> {
     let own = parameters(design)?;
-    let Some((mut headline, miss)) = Headline::of(record, &own).zip(Miss::of(record.outcome)) else {
+    let Some((mut headline, miss)) = Headline::of(shot, &own).zip(Miss::of(shot.figures.outcome)) else {
         return Ok(None);
     };
     let settings = Settings {
@@ -98,7 +98,7 @@ pub fn explain_first(
 ) -> Result<(), Error> {
     if let Some(point) = points.iter_mut().find(|point| point.headline.is_some()) {
         let design = at_point(base, axes, &point.values)?;
-        point.headline = headline(graph, &design, &chain::cycle(&design)?)?.or(point.headline.take());
+        point.headline = headline(graph, &design, (&chain::cycle(&design)?).into())?.or(point.headline.take());
     }
     Ok(())
 }

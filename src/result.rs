@@ -9,13 +9,13 @@ mod study;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::stages::cycle::{EngineRecord, EventTimes, EventWords, ShotRecord, SummaryFigures};
+use crate::stages::cycle::{EventTimes, EventWords, ShotRecord, SummaryFigures};
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
 use nailnoise_acoustics::signals::level_energy;
+use nailnoise_dynamics::NailerFigures;
 use nailnoise_dynamics::network::LedgerEntry;
-use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
 use nailnoise_pipeline::Timing;
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;
@@ -162,36 +162,6 @@ impl From<&Design> for DesignId {
     }
 }
 
-/// A nailing cycle without its histories.
-#[derive(Debug, Clone, Serialize)]
-pub struct CycleFigures<'a> {
-    /// Outcome of the shot.
-    pub outcome: Outcome,
-    /// Event times \[s\].
-    pub events: &'a Events,
-    /// Figures of the shot.
-    pub summary: &'a Summary,
-    /// Energy flows.
-    pub energy: &'a EnergyFlow,
-    /// Changes of contacts and valves.
-    pub log: &'a [LogEntry],
-    /// Checks of the balances.
-    pub checks: &'a [Check],
-}
-
-impl<'a> From<&'a CycleRecord> for CycleFigures<'a> {
-    fn from(record: &'a CycleRecord) -> Self {
-        Self {
-            outcome: record.outcome,
-            events: &record.events,
-            summary: &record.summary,
-            energy: &record.energy,
-            log: &record.log,
-            checks: &record.checks,
-        }
-    }
-}
-
 /// A cycle of an assembly without its histories.
 #[derive(Debug, Clone, Serialize)]
 pub struct AssemblyFigures<'a> {
@@ -212,20 +182,20 @@ pub struct AssemblyFigures<'a> {
 #[serde(untagged)]
 pub enum FiguresOfShot<'a> {
     /// Of the tool of the keys.
-    Keys(CycleFigures<'a>),
+    Keys(&'a NailerFigures),
     /// Of an assembly.
     Assembly(AssemblyFigures<'a>),
 }
 
 impl<'a> From<&'a ShotRecord> for FiguresOfShot<'a> {
     fn from(shot: &'a ShotRecord) -> Self {
-        match &shot.record {
-            EngineRecord::Keys(record) => Self::Keys(CycleFigures::from(&**record)),
-            EngineRecord::Assembly(record) => Self::Assembly(AssemblyFigures {
+        match &shot.nailer {
+            Some(nailer) => Self::Keys(nailer),
+            None => Self::Assembly(AssemblyFigures {
                 outcome: &shot.outcome,
                 events: EventTimes(shot.events.clone()),
                 summary: &shot.figures,
-                ledger: &record.ledger,
+                ledger: &shot.record.ledger,
                 checks: &shot.checks,
             }),
         }

@@ -16,7 +16,7 @@ use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult,
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
-use crate::stages::cycle::{Engine, EngineRecord, EventTimes, EventWords, ShotRecord};
+use crate::stages::cycle::{Engine, EventTimes, EventWords, ShotRecord};
 use crate::stages::microphones::{AtMicrophones, Microphones};
 use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
@@ -207,23 +207,20 @@ impl Chain {
             let report = sound.source().radiation.as_ref()?;
             Some((own.source.name(), report.fluid_loading.as_ref()?))
         });
-        let (headline, sentence, performance) = match &record.record {
-            EngineRecord::Keys(own) => {
+        let (headline, sentence, performance) = match (record.of_nailer(), &self.engine) {
+            (Some(shot), _) => {
                 let parameters = inputs::cycle::parameters(design)?;
-                let performance = Performance::of(own, &parameters);
                 (
-                    headline(&self.graph, design, own)?,
-                    sentence(own, &parameters),
-                    Some(performance),
+                    headline(&self.graph, design, shot)?,
+                    sentence(shot, &parameters),
+                    Some(Performance::of(shot.figures, &parameters)),
                 )
             }
-            EngineRecord::Assembly(own) => {
-                let performance = match &self.engine {
-                    Engine::Assembly(cycle) => Some(Performance::of_assembly(own, &cycle.assembly, &design.ambient)),
-                    Engine::Keys(_) => None,
-                };
-                (None, inputs::notes::outcome_of_assembly(&record), performance)
+            (None, Engine::Assembly(cycle)) => {
+                let performance = Performance::of_assembly(&record.record, &cycle.assembly, &design.ambient);
+                (None, inputs::notes::outcome_of_assembly(&record), Some(performance))
             }
+            (None, Engine::Keys(_)) => (None, inputs::notes::outcome_of_assembly(&record), None),
         };
         let notes = notes::notes(
             &notes::NoteInputs {

@@ -57,7 +57,7 @@ fn elastic_blow(bencher: divan::Bencher<'_, '_>) {
     let input = blow_input(&parameters)
         .expect("a complete input")
         .expect("an elastic blow");
-    bencher.bench(|| blow::elastic_blow(&input, &Course::of_keys(&record).expect("a strike")));
+    bencher.bench(|| blow::elastic_blow(&input, &Course::of_record(&input, &record.record).expect("a strike")));
 }
 
 #[divan::bench]

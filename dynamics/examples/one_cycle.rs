@@ -11,17 +11,17 @@ use nailnoise_dynamics::{CycleError, Outcome, Settings, simulate};
 
 fn main() -> Result<(), CycleError> {
     let record = simulate(&common::n80cb(), &Settings::default())?;
-    println!("outcome: {:?}", record.outcome);
+    println!("outcome: {:?}", record.figures.outcome);
 
     println!("events:");
-    for (index, time) in record.events.to_array().into_iter().enumerate() {
+    for (index, time) in record.figures.events.to_array().into_iter().enumerate() {
         match time {
             Some(time) => println!("  t{index:<2} {:8.3} ms", 1e3 * time),
             None => println!("  t{index:<2} does not occur"),
         }
     }
 
-    let summary = &record.summary;
+    let summary = &record.figures.summary;
     println!("peak forces:");
     for (name, newtons) in [
         ("penetration", summary.peak_penetration_force),
@@ -34,6 +34,6 @@ fn main() -> Result<(), CycleError> {
     ] {
         println!("  {name:11} {newtons:7.0} N");
     }
-    assert_eq!(record.outcome, Outcome::Drives);
+    assert_eq!(record.figures.outcome, Outcome::Drives);
     Ok(())
 }

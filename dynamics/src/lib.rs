@@ -26,6 +26,6 @@ pub use parameters::{
     Ambient, Block, BlowModel, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters,
     Piston, Supply, Support, SupportDamping, Tool, Trigger,
 };
-pub use record::{Body, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume};
+pub use record::{CycleRecord, Events, NailerFigures, Outcome, Summary};
 pub use settings::{Method, Settings};
 pub use workpiece::{Compliance, CouplingWork, WoodForces, WoodMotion, Workpiece};

@@ -1,124 +1,34 @@
-//! The result of a cycle: histories on a uniform grid, events, outcome, checks and work counters.
+//! The result of a cycle: the record of its network, and the shot in terms of the nailer.
 
 use nailnoise_quantities::Check;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::network::Effort;
+use crate::network::{Assembly, Record};
 use crate::{EnergyFlow, LogEntry};
 
-/// One nailing cycle.
+/// One nailing cycle: its histories by name, and the shot in terms of the nailer.
 ///
-/// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ...; at a discontinuity a sample takes the value
-/// after it. Positions and velocities are positive downwards, towards the wood.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CycleRecord {
-    /// dt, interval of the samples \[s\].
-    pub sample_interval: f64,
-    /// Piston with rod (and nail while it is attached).
-    pub piston: Body,
-    /// Head valve.
-    pub head_valve: Body,
-    /// Tool body.
-    pub tool: Body,
-    /// Workpiece.
-    pub workpiece: Body,
-    /// Relative motion of parts.
-    pub motion: Motion,
-    /// Volume 1, above the piston.
-    pub above_piston: Volume,
-    /// Volume 2, below the piston.
-    pub below_piston: Volume,
-    /// Return volume r.
-    pub return_volume: Volume,
-    /// Volume h, above the head valve.
-    pub above_valve: Volume,
-    /// Supply-side volume ext.
-    pub supply: Volume,
-    /// Forces between bodies.
-    pub forces: Forces,
-    /// Flow through the exhaust holes.
-    pub exhaust: ExhaustFlow,
-    /// Flow through the trigger valve's vent.
-    pub vent: VentFlow,
-    /// Event times.
-    pub events: Events,
-    /// Every contact, opening, choking change, reversal and trigger action, and the levels that define the events.
-    pub log: Vec<LogEntry>,
-    /// Outcome of the shot.
-    pub outcome: Outcome,
-    /// Figures of the shot.
-    pub summary: Summary,
-    /// Energy balance of the shot.
-    pub energy: EnergyFlow,
-    /// Checks of the run, each with its limit.
-    pub checks: Vec<Check>,
-    /// Work of the integrator.
-    pub work: Effort,
-}
-
-impl CycleRecord {
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.piston.position.len()
-    }
-
-    /// Whether the record is empty; never true of a record from [`simulate`](crate::simulate).
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Time of sample `index` \[s\].
-    pub fn time(&self, index: usize) -> f64 {
-        index as f64 * self.sample_interval
-    }
-
-    /// Whether every check passes.
-    pub fn is_certified(&self) -> bool {
-        self.checks.iter().all(|check| check.ok)
-    }
-}
-
-/// Motion of one body.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Body {
-    /// y \[m\].
-    pub position: Vec<f64>,
-    /// v \[m/s\].
-    pub velocity: Vec<f64>,
-    /// dv/dt \[m/s2\]; excludes the jump at the impact of the rod on the nail.
-    pub acceleration: Vec<f64>,
-}
-
-/// Relative motion of parts.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Motion {
-    /// y_pr = y_p - y_g, piston travel from the stopper \[m\].
-    pub piston_travel: Vec<f64>,
-    /// s = L_h - y_hr, lift of the head valve \[m\].
-    pub valve_lift: Vec<f64>,
-    /// z = y_p - y_w - y_pbp, depth of the rod's end, expressed as nail tip depth \[m\].
-    pub tip_depth: Vec<f64>,
-    /// z_max, largest nail tip depth so far, at least 0 \[m\].
-    pub nail_depth: Vec<f64>,
-    /// M_p + M_n while the nail is attached to the rod, else M_p \[kg\].
-    pub moving_mass: Vec<f64>,
-}
-
-/// State of one gas volume.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Volume {
-    /// P, absolute \[Pa\].
-    pub pressure: Vec<f64>,
-    /// T \[K\].
-    pub temperature: Vec<f64>,
-    /// m \[kg\].
-    pub mass: Vec<f64>,
-}
-
-/// Forces between bodies \[N\].
+/// Positions, velocities and forces are positive downwards, towards the wood. The channels are those of the built-in
+/// assembly `n80cb` (SI units, absolute pressures), each as `BLOCK.QUANTITY`:
 ///
-/// In the equations of motion, M is the moving mass:
+/// | channels | blocks |
+/// |---|---|
+/// | `position`, `velocity`, `acceleration` | bodies `piston`, `head_valve`, `tool`, `workpiece` |
+/// | `piston.travel` | y_pr = y_p - y_g, from the stopper |
+/// | `piston.moving_mass` | M_p + M_n while the nail is attached to the rod, else M_p |
+/// | `valve_lift` | s, from the seat |
+/// | `nail.tip`, `nail.deepest` | depth of the rod's end as nail tip depth; the largest so far, at least 0 |
+/// | `pressure`, `temperature`, `mass` | volumes `above_piston`, `below_piston`, `return_volume`, `above_valve`, `supply` |
+/// | `mass_flow` | passages `intake`, `exhaust`, `vent` |
+/// | `force` | forces between bodies |
+/// | `nail.guide_force` | friction of magazine and guide on the nail driven by the rod, up on it when it moves down |
+///
+/// An acceleration excludes the jump at the impact of the rod on the nail. The openings `exhaust` and `vent` have the
+/// flow with the states before and behind it. Blocks that a design switches off have no channel.
+///
+/// In the equations of motion, names are those of forces, `piston_gas` and `valve_gas` the channels `piston_gas_force`
+/// and `valve_gas_force`, `penetration` is `nail.force`, `magazine` is `nail.guide_force`, and M is the moving mass:
 /// ```text
 /// M_t v_p' = piston_gas - bumper - stopper - penetration - piston_friction - magazine + M_t g
 /// M_h v_h' = valve_gas + spring - cap - seat - valve_friction + M_h g
@@ -126,70 +36,63 @@ pub struct Volume {
 ///            + magazine + thrust - nose - guard + M_g g
 /// M_w v_w' = penetration + nose + guard - support + M_w g
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Forces {
-    /// F_gp, gas on the piston, down.
-    pub piston_gas: Vec<f64>,
-    /// F_gh, gas on the head valve, down.
-    pub valve_gas: Vec<f64>,
-    /// F_b >= 0, piston on the bumper, down on the tool.
-    pub bumper: Vec<f64>,
-    /// F_st <= 0, piston on the stopper (up on the tool).
-    pub stopper: Vec<f64>,
-    /// Head valve on the cap, <= 0 (up on the tool).
-    pub cap: Vec<f64>,
-    /// Head valve on the cylinder's seat, >= 0 (down on the tool).
-    pub seat: Vec<f64>,
-    /// F_s, closing spring on the valve, down.
-    pub spring: Vec<f64>,
-    /// F_fp, friction of the piston, up on it when it moves down.
-    pub piston_friction: Vec<f64>,
-    /// F_fh, friction of the head valve.
-    pub valve_friction: Vec<f64>,
-    /// F_pen, penetration resistance, up on the rod, down on the workpiece.
-    pub penetration: Vec<f64>,
-    /// F_n, nose on the workpiece, down on it.
-    pub nose: Vec<f64>,
-    /// F_e, guard spring on the workpiece, down on it.
-    pub guard: Vec<f64>,
-    /// F_sup, support on the workpiece, up.
-    pub support: Vec<f64>,
-    /// Hand on the tool, down; F_hm for a massless hand.
-    pub hand: Vec<f64>,
-    /// Friction of magazine and guide on the nail driven by the rod, up on it when it moves down.
-    pub magazine: Vec<f64>,
-    /// Part of the exhaust jets' thrust along y, down on the tool.
-    pub thrust: Vec<f64>,
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CycleRecord {
+    /// The network of blocks that was integrated.
+    pub assembly: Assembly,
+    /// Its record. The events are t0 to t18.
+    pub record: Record,
+    /// The shot in terms of the nailer.
+    pub figures: NailerFigures,
 }
 
-/// Flow through the exhaust holes.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct ExhaustFlow {
-    /// Outward mass flow \[kg/s\]; negative for inflow.
-    pub mass_flow: Vec<f64>,
-    /// P_m upstream of the holes \[Pa\]; ambient while the exhaust is closed.
-    pub plenum_pressure: Vec<f64>,
-    /// P_s downstream of the holes \[Pa\]: the pressure in the muffler, or ambient without one.
-    pub back_pressure: Vec<f64>,
-    /// Stagnation temperature of the outflow, T_1 \[K\].
-    pub stagnation_temperature: Vec<f64>,
-    /// Whether the holes are choked: P_s/P_m below the critical ratio.
-    pub choked: Vec<bool>,
-    /// Whether the intake is choked.
-    pub intake_choked: Vec<bool>,
-    /// Mass flow through the intake into the volume above the piston \[kg/s\].
-    pub intake_mass_flow: Vec<f64>,
+/// A shot in terms of the nailer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NailerFigures {
+    /// Outcome of the shot.
+    pub outcome: Outcome,
+    /// Event times.
+    pub events: Events,
+    /// Figures of the shot.
+    pub summary: Summary,
+    /// Energy balance of the shot.
+    pub energy: EnergyFlow,
+    /// Every contact, opening, choking change, reversal and trigger action, and the levels that define the events.
+    pub log: Vec<LogEntry>,
+    /// Checks of the run, each with its limit.
+    pub checks: Vec<Check>,
 }
 
-/// Flow through the trigger valve's vent to the atmosphere.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct VentFlow {
-    /// Outward mass flow \[kg/s\]; negative for inflow.
-    pub mass_flow: Vec<f64>,
-    /// P_h \[Pa\].
-    pub pressure: Vec<f64>,
-    /// T_h \[K\].
-    pub temperature: Vec<f64>,
+impl CycleRecord {
+    /// dt, interval of the samples \[s\].
+    pub fn sample_interval(&self) -> f64 {
+        self.record.interval.unwrap_or_default()
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.record.len()
+    }
+
+    /// Whether the record is empty; never true of a record from [`simulate`](crate::simulate).
+    pub fn is_empty(&self) -> bool {
+        self.record.is_empty()
+    }
+
+    /// Time of sample `index` \[s\].
+    pub fn time(&self, index: usize) -> f64 {
+        self.record.time(index)
+    }
+
+    /// History of a quantity by its name; empty if the design switches its block off.
+    pub fn history(&self, name: &str) -> &[f64] {
+        self.record.history(name)
+    }
+
+    /// Whether every check passes.
+    pub fn is_certified(&self) -> bool {
+        self.figures.checks.iter().all(|check| check.ok)
+    }
 }
 
 /// Event times \[s\]; `None` for an event that does not occur.

@@ -69,7 +69,7 @@ pub(crate) fn cycle<'py>(
     let histories = PyDict::new(py);
     let time: Vec<f64> = (0..shot.len()).map(|index| shot.time(index)).collect();
     histories.set_item("time", ("s", floats(py, &time)))?;
-    for column in output::columns_of(&shot) {
+    for column in output::columns(&shot.record) {
         histories.set_item(column.name, (column.unit, floats(py, column.values)))?;
     }
     Ok((json_of(&FiguresOfShot::from(&shot))?, histories, charts))

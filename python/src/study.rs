@@ -63,7 +63,7 @@ pub(crate) fn study_of(
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
         study::store_study(&cache, &design, &result, &made)?;
         let mut result = result.with_surrogates(&design, &made);
-        result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
+        result.headline = headline::headline(&graph, &design, (&chain::cycle(&design)?).into())?;
         let charts = drawn(&figures::study(&result));
         let [table, _] = study::draw_files(&made)?;
         Ok((result, table, charts))

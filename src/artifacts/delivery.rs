@@ -196,7 +196,7 @@ impl Delivery<'_> {
             slow_motion: if exports.films { exports.slow_motion } else { 0 },
         });
         // The cycle's tables take longest.
-        let of_cycle = || output::of_cycle(&*chain.cycle.get()?, exports);
+        let of_cycle = || output::of_cycle((&*chain.cycle.get()?).into(), exports);
         let files = || field_files(&fields, self.folder, staging, self.store);
         thread::scope(|scope| {
             let (of_cycle, files) = (beside(scope, &of_cycle), beside(scope, &files));

@@ -75,17 +75,17 @@ const OF_KEYS: [KeysFigure; 8] = [
     KeysFigure {
         name: "speed before impact",
         unit: "m/s",
-        of: |own| own.summary.speed_before_impact,
+        of: |own| own.figures.summary.speed_before_impact,
     },
     KeysFigure {
         name: "mean drive speed",
         unit: "m/s",
-        of: |own| own.summary.mean_drive_speed,
+        of: |own| own.figures.summary.mean_drive_speed,
     },
     KeysFigure {
         name: "head depth",
         unit: "m",
-        of: |own| Some(own.summary.head_depth),
+        of: |own| Some(own.figures.summary.head_depth),
     },
     KeysFigure {
         name: "energy left at full depth",
@@ -95,22 +95,22 @@ const OF_KEYS: [KeysFigure; 8] = [
     KeysFigure {
         name: "peak penetration force",
         unit: "N",
-        of: |own| Some(own.summary.peak_penetration_force),
+        of: |own| Some(own.figures.summary.peak_penetration_force),
     },
     KeysFigure {
         name: "air through the exhaust",
         unit: "kg",
-        of: |own| Some(own.summary.exhaust_mass),
+        of: |own| Some(own.figures.summary.exhaust_mass),
     },
     KeysFigure {
         name: "peak exhaust flow",
         unit: "kg/s",
-        of: |own| largest(&own.exhaust.mass_flow),
+        of: |own| largest(own.history("exhaust.mass_flow")),
     },
     KeysFigure {
         name: "peak return pressure",
         unit: "Pa",
-        of: |own| largest(&own.return_volume.pressure),
+        of: |own| largest(own.history("return_volume.pressure")),
     },
 ];
 
@@ -120,10 +120,8 @@ fn largest(values: &[f64]) -> Option<f64> {
 
 /// Kinetic energy of piston and nail when the nail reaches its full depth \[J\].
 fn energy_left(record: &CycleRecord) -> Option<f64> {
-    let index = (record.summary.full_penetration? / record.sample_interval).round() as usize;
-    let (mass, speed) = (
-        record.motion.moving_mass.get(index)?,
-        record.piston.velocity.get(index)?,
-    );
+    let index = (record.figures.summary.full_penetration? / record.sample_interval()).round() as usize;
+    let mass = record.history("piston.moving_mass").get(index)?;
+    let speed = record.history("piston.velocity").get(index)?;
     Some(0.5 * mass * speed * speed)
 }

@@ -1,7 +1,7 @@
 //! Quantities of a shot that a user can measure: their names, predictions, and default errors of model and repeats.
 
 use nailnoise_calibration::likelihood::Prediction;
-use nailnoise_dynamics::{Ambient, CycleRecord, Volume};
+use nailnoise_dynamics::{Ambient, CycleRecord};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{LENGTH, PRESSURE, TIME, VELOCITY, VOLUME};
 
@@ -47,14 +47,15 @@ impl Chamber {
         ("supply", Self::Supply),
     ];
 
-    fn of(self, record: &CycleRecord) -> &Volume {
-        match self {
-            Self::AbovePiston => &record.above_piston,
-            Self::BelowPiston => &record.below_piston,
-            Self::Return => &record.return_volume,
-            Self::AboveValve => &record.above_valve,
-            Self::Supply => &record.supply,
-        }
+    /// Its name in the file, which is that of the volume.
+    fn name(self) -> &'static str {
+        let name = Self::NAMES.iter().find(|(_, own)| *own == self);
+        name.map_or("", |(name, _)| name)
+    }
+
+    /// Its absolute pressure \[Pa\].
+    fn pressure(self, record: &CycleRecord) -> &[f64] {
+        record.history(&format!("{}.pressure", self.name()))
     }
 }
 
@@ -128,10 +129,7 @@ impl Family {
         match self {
             Self::OfAssembly(name) => format!("discrepancy.{name}"),
             Self::HeadDepths => "discrepancy.head_depth".to_owned(),
-            Self::Pressures(chamber) => {
-                let name = Chamber::NAMES.iter().find(|(_, own)| own == chamber);
-                format!("discrepancy.pressure.{}", name.map_or("", |(name, _)| name))
-            }
+            Self::Pressures(chamber) => format!("discrepancy.pressure.{}", chamber.name()),
         }
     }
 }
@@ -283,22 +281,24 @@ impl Quantity {
 
     fn predict_of_keys(&self, record: &CycleRecord, ambient: &Ambient, end: f64) -> Prediction {
         let known = |value: Option<f64>| value.map_or(Prediction::Missing, Prediction::Value);
-        let events = record.events.to_array();
+        let events = record.figures.events.to_array();
         let at = |moment: Moment| match moment {
             Moment::Time(time) => Some(time),
             Moment::Event(event) => events[event],
         };
         let sampled = |values: &[f64], moment: Moment| {
             let at = at(moment);
-            known(at.and_then(|time| interpolated(values, record.sample_interval, time)))
+            known(at.and_then(|time| interpolated(values, record.sample_interval(), time)))
         };
         match *self {
             Self::OfAssembly(_) => Prediction::Missing,
-            Self::HeadDepth => Prediction::Value(record.summary.head_depth),
-            Self::MeanDriveSpeed => known(record.summary.mean_drive_speed),
-            Self::SpeedBeforeImpact => known(record.summary.speed_before_impact),
+            Self::HeadDepth => Prediction::Value(record.figures.summary.head_depth),
+            Self::MeanDriveSpeed => known(record.figures.summary.mean_drive_speed),
+            Self::SpeedBeforeImpact => known(record.figures.summary.speed_before_impact),
             Self::AirPerShot => {
-                let mass = record.summary.exhaust_mass + record.summary.vent_mass + record.summary.leak_mass;
+                let mass = record.figures.summary.exhaust_mass
+                    + record.figures.summary.vent_mass
+                    + record.figures.summary.leak_mass;
                 let free = free_volume(mass, ambient);
                 match events[17] {
                     Some(_) => Prediction::Value(free),
@@ -310,11 +310,11 @@ impl Quantity {
                 (Some(from), None) if to >= RETURN => Prediction::AtLeast(end - from),
                 _ => Prediction::Missing,
             },
-            Self::PistonTravel(moment) => sampled(&record.motion.piston_travel, moment),
-            Self::Pressure(chamber, moment) => sampled(&chamber.of(record).pressure, moment),
-            Self::PeakPressure(chamber) => known(chamber.of(record).pressure.iter().copied().reduce(f64::max)),
+            Self::PistonTravel(moment) => sampled(record.history("piston.travel"), moment),
+            Self::Pressure(chamber, moment) => sampled(chamber.pressure(record), moment),
+            Self::PeakPressure(chamber) => known(chamber.pressure(record).iter().copied().reduce(f64::max)),
             Self::SupplyDrop => {
-                let pressure = &record.supply.pressure;
+                let pressure = record.history("supply.pressure");
                 let least = pressure.iter().copied().reduce(f64::min);
                 known(pressure.first().zip(least).map(|(first, least)| first - least))
             }
@@ -340,27 +340,30 @@ mod tests {
     fn quantities_are_those_of_the_record() {
         let (record, ambient, end) = shot();
         let of = |quantity: Quantity| quantity.predict_of_keys(&record, &ambient, end);
-        assert_eq!(of(Quantity::HeadDepth), Prediction::Value(record.summary.head_depth));
-        let (t6, t9) = (record.events.t6.unwrap(), record.events.t9.unwrap());
+        assert_eq!(
+            of(Quantity::HeadDepth),
+            Prediction::Value(record.figures.summary.head_depth)
+        );
+        let (t6, t9) = (record.figures.events.t6.unwrap(), record.figures.events.t9.unwrap());
         assert_eq!(of(Quantity::Interval { from: 6, to: 9 }), Prediction::Value(t9 - t6));
         let at_impact = of(Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9))).value();
-        let nearest = record.above_piston.pressure[(t9 / record.sample_interval).round() as usize];
+        let nearest = record.history("above_piston.pressure")[(t9 / record.sample_interval()).round() as usize];
         assert!((at_impact / nearest - 1.0).abs() < 1e-3);
         assert!(of(Quantity::PeakPressure(Chamber::AbovePiston)).value() > at_impact);
         let drop = of(Quantity::SupplyDrop).value();
-        assert!(drop > 0.0 && drop < record.supply.pressure[0]);
+        assert!(drop > 0.0 && drop < record.history("supply.pressure")[0]);
         // Mass that leaves the tool, at an ambient density of 1.2 kg/m3.
         let air = of(Quantity::AirPerShot).value() * 1.2;
-        assert!((air / (record.summary.exhaust_mass + record.summary.vent_mass) - 1.0).abs() < 0.05);
+        assert!((air / (record.figures.summary.exhaust_mass + record.figures.summary.vent_mass) - 1.0).abs() < 0.05);
     }
 
     #[test]
     fn an_event_beyond_the_record_is_a_bound_and_one_that_does_not_happen_is_missing() {
         let (mut record, ambient, end) = shot();
-        record.events.t13 = None;
-        record.events.t9 = None;
+        record.figures.events.t13 = None;
+        record.figures.events.t9 = None;
         let of = |quantity: Quantity| quantity.predict_of_keys(&record, &ambient, end);
-        let t6 = record.events.t6.unwrap();
+        let t6 = record.figures.events.t6.unwrap();
         assert_eq!(
             of(Quantity::Interval { from: 6, to: 13 }),
             Prediction::AtLeast(end - t6)

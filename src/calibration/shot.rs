@@ -78,7 +78,7 @@ impl Shot {
     /// The name of its outcome.
     pub(super) fn outcome(&self) -> Cow<'static, str> {
         match self {
-            Self::Keys(record) => Cow::Borrowed(record.outcome.name()),
+            Self::Keys(record) => Cow::Borrowed(record.figures.outcome.name()),
             Self::Assembly(record) => record
                 .outcome
                 .as_ref()
@@ -89,11 +89,11 @@ impl Shot {
 
 /// Whether the piston has stopped on the workpiece, and the nail stays at its depth until the record ends.
 fn drive_is_complete(record: &CycleRecord) -> bool {
-    let depth = &record.motion.nail_depth;
+    let depth = record.history("nail.deepest");
     let before = depth
         .len()
-        .saturating_sub((AT_REST / record.sample_interval) as usize + 1);
-    record.events.t9.is_some() && depth.last() == depth.get(before)
+        .saturating_sub((AT_REST / record.sample_interval()) as usize + 1);
+    record.figures.events.t9.is_some() && depth.last() == depth.get(before)
 }
 
 /// The assembly of a design at its own values; none for the tool of the keys.
@@ -115,7 +115,7 @@ mod tests {
     fn a_record_goes_on_until_the_drive_is_complete() {
         let mut design = Design::shipped("n80cb.toml").unwrap();
         let depth = |design: &Design, end: f64| match Shot::of(design, end).unwrap() {
-            Shot::Keys(record) => (record.summary.head_depth, record.len()),
+            Shot::Keys(record) => (record.figures.summary.head_depth, record.len()),
             Shot::Assembly(_) => unreachable!(),
         };
         let end = design.analysis.cycle_end;

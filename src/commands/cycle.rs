@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::network::Effort;
-use nailnoise_dynamics::{CycleRecord, EnergyFlow, simulate};
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, NailerFigures, simulate};
 use serde::Serialize;
 
 use super::assembly::Asked;
@@ -18,8 +18,8 @@ use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::output::{self, Exports};
 use crate::penetration;
-use crate::result::{CycleFigures, DesignId};
-use crate::stages::cycle::{Preset, event_times};
+use crate::result::DesignId;
+use crate::stages::cycle::Preset;
 use crate::tables::{self, dash, fixed};
 use crate::units::Units;
 use crate::wording::figure;
@@ -91,7 +91,7 @@ struct CycleResult<'a> {
     /// File of the penetration law that replaces the one of the design; null if there is none.
     penetration_table: Option<String>,
     #[serde(flatten)]
-    cycle: CycleFigures<'a>,
+    cycle: &'a NailerFigures,
     work: &'a Effort,
     /// Files of the charts requested.
     figures: Vec<String>,
@@ -141,21 +141,25 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let mut figures = Vec::new();
     if with_files {
         progress.stage("writing files");
-        let subject = format!("{}{form}: {}", design.name(), record.outcome.name().replace('_', " "));
+        let subject = format!(
+            "{}{form}: {}",
+            design.name(),
+            record.figures.outcome.name().replace('_', " ")
+        );
         let charts = arguments
             .figures
-            .then(|| figures::in_units(figures::cycle(&subject, &design, &record), common.shown.units));
+            .then(|| figures::in_units(figures::cycle(&subject, &design, (&record).into()), common.shown.units));
         figures = write(&folder, &record, &charts.unwrap_or_default())?;
     }
     progress.end();
-    let status = status_of(&record.checks);
+    let status = status_of(&record.figures.checks);
     let result = CycleResult {
         schema: "nailnoise-cycle/1",
         design: DesignId::from(&design),
         preset,
         penetration_table,
-        cycle: (&record).into(),
-        work: &record.work,
+        cycle: &record.figures,
+        work: &record.record.work,
         figures: figures.iter().map(|file| file.display().to_string()).collect(),
     };
     if common.options.json {
@@ -210,7 +214,7 @@ fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<Pa
         histories: true,
         ..Exports::default()
     };
-    for file in output::of_keys(record, exports)? {
+    for file in output::of_cycle(record.into(), exports)? {
         staging.write(&file.path, &file.content)?;
     }
     let figures = figures::write(&staging, Path::new("figures"), charts)?;
@@ -222,11 +226,11 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord, units: Units
     let mut text = format!(
         "{}{form}: {}\n\n",
         result.design.name,
-        record.outcome.name().replace('_', " ")
+        record.figures.outcome.name().replace('_', " ")
     );
-    text.push_str(&table::text(&tables::cycle::events(&event_times(&record.events))));
+    text.push_str(&table::text(&tables::cycle::events(&record.record.events)));
     text.push('\n');
-    let summary = serde_json::to_value(&record.summary).unwrap_or_default();
+    let summary = serde_json::to_value(&record.figures.summary).unwrap_or_default();
     let rows: Vec<Vec<String>> = summary
         .as_object()
         .into_iter()
@@ -238,17 +242,21 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord, units: Units
         .collect();
     text.push_str(&table::numbers(&["summary", "value"], &rows, units));
     text.push('\n');
-    text.push_str(&table::numbers(&["energy", "J"], &energy(&record.energy), units));
+    text.push_str(&table::numbers(
+        &["energy", "J"],
+        &energy(&record.figures.energy),
+        units,
+    ));
     text.push('\n');
-    text.push_str(&table::text(&tables::run::checks(&record.checks)));
+    text.push_str(&table::text(&tables::run::checks(&record.figures.checks)));
     text.push_str(&format!(
         "\n  {} steps, {} rejected, {} events, {} Jacobians; {} samples of {:.1} us\n",
-        record.work.steps,
-        record.work.rejected,
-        record.work.events,
-        record.work.jacobians,
+        record.record.work.steps,
+        record.record.work.rejected,
+        record.record.work.events,
+        record.record.work.jacobians,
         record.len(),
-        1e6 * record.sample_interval,
+        1e6 * record.sample_interval(),
     ));
     text
 }

@@ -212,7 +212,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     let runs = obstacles.is_empty();
     let effects = Effects::of(&graph, design, asked.effects && runs, &progress)?;
     let headline = match &record {
-        Some(record) => headline(&graph, design, record)?,
+        Some(record) => headline(&graph, design, record.into())?,
         None => None,
     };
     progress.end();
@@ -231,11 +231,11 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         estimates: estimates(design, &entries)?,
         unknowns: unknowns(design, &entries)?,
         shot: record.map(|record| ShotSummary {
-            outcome: record.outcome,
-            text: sentence(&record, &own),
-            mean_drive_speed: record.summary.mean_drive_speed,
-            penetration: record.summary.penetration,
-            exhaust_mass: record.summary.exhaust_mass,
+            outcome: record.figures.outcome,
+            text: sentence((&record).into(), &own),
+            mean_drive_speed: record.figures.summary.mean_drive_speed,
+            penetration: record.figures.summary.penetration,
+            exhaust_mass: record.figures.summary.exhaust_mass,
         }),
         bodies,
         stages,

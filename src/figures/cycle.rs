@@ -1,14 +1,15 @@
 //! Charts of a nailing cycle: pressures, motion, pressure ratios, forces and flow.
 
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::Record;
 
 use super::chart::{Axis, Chart, Panel, Series, Shape, events};
 use crate::design::Values;
-use crate::stages::cycle::event_times;
+use crate::stages::cycle::NailerShot;
 
 /// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names the design.
-pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart> {
-    let (r, f) = (record, &record.forces);
+pub fn cycle(subject: &str, design: &Values, shot: NailerShot<'_>) -> Vec<Chart> {
+    let r = shot.record;
+    let of = |name: &str| r.history(name);
     let time: Vec<f64> = (0..r.len()).map(|index| 1e3 * r.time(index)).collect();
     let line = |name: &str, colour, y: Vec<f64>| Series::line(name, colour, &time, &y);
     let scaled = |values: &[f64], factor: f64| values.iter().map(|value| factor * value).collect::<Vec<_>>();
@@ -34,39 +35,35 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         subject: subject.to_owned(),
         caption: caption.to_owned(),
         panels,
-        events: events(&event_times(&r.events)),
+        events: events(&r.events),
     };
 
     let ambient = 1e-3 * design.ambient.pressure;
     let pressures = vec![
-        line("above piston", 0, scaled(&r.above_piston.pressure, 1e-3)),
-        line("below piston", 1, scaled(&r.below_piston.pressure, 1e-3)),
-        line("return volume", 2, scaled(&r.return_volume.pressure, 1e-3)),
-        line("above head valve", 3, scaled(&r.above_valve.pressure, 1e-3)),
-        line("supply side", 4, scaled(&r.supply.pressure, 1e-3)),
+        line("above piston", 0, scaled(of("above_piston.pressure"), 1e-3)),
+        line("below piston", 1, scaled(of("below_piston.pressure"), 1e-3)),
+        line("return volume", 2, scaled(of("return_volume.pressure"), 1e-3)),
+        line("above head valve", 3, scaled(of("above_valve.pressure"), 1e-3)),
+        line("supply side", 4, scaled(of("supply.pressure"), 1e-3)),
     ];
     let travel = vec![
-        line("piston, from the stopper", 0, scaled(&r.motion.piston_travel, 1e3)),
-        line("nail, depth in the wood", 1, scaled(&r.motion.nail_depth, 1e3)),
+        line("piston, from the stopper", 0, scaled(of("piston.travel"), 1e3)),
+        line("nail, depth in the wood", 1, scaled(of("nail.deepest"), 1e3)),
         line(
             "tool, above the wood",
             2,
-            sum(&r.workpiece.position, -1.0, &r.tool.position, 1e3),
+            sum(of("workpiece.position"), -1.0, of("tool.position"), 1e3),
         ),
     ];
     let speed = vec![
         line(
             "piston, in the tool, down",
             0,
-            sum(&r.piston.velocity, -1.0, &r.tool.velocity, 1.0),
+            sum(of("piston.velocity"), -1.0, of("tool.velocity"), 1.0),
         ),
-        line("tool, up", 2, scaled(&r.tool.velocity, -1.0)),
+        line("tool, up", 2, scaled(of("tool.velocity"), -1.0)),
     ];
-    let lift = vec![line(
-        "head valve, lift from its seat",
-        3,
-        scaled(&r.motion.valve_lift, 1e3),
-    )];
+    let lift = vec![line("head valve, lift from its seat", 3, scaled(of("valve_lift"), 1e3))];
     let mm = |name: &str, value: f64| (format!("{name} {:.1} mm", 1e3 * value), 1e3 * value);
     let valve = [
         mm("intake opens at", design.head_valve.intake_lap),
@@ -75,29 +72,38 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
     let on_valve = vec![line(
         "head valve on cap (up) and seat",
         3,
-        sum(&f.cap, 1.0, &f.seat, 1e-3),
+        sum(of("cap.force"), 1.0, of("seat.force"), 1e-3),
     )];
     let on_body = vec![
-        line("gas", 0, sum(&f.piston_gas, 1.0, &f.valve_gas, -1e-3)),
-        line("piston on bumper and stopper", 1, sum(&f.bumper, 1.0, &f.stopper, 1e-3)),
-        line("wood on nose and guard", 2, sum(&f.nose, 1.0, &f.guard, -1e-3)),
-        line("hand", 6, scaled(&f.hand, 1e-3)),
+        line("gas", 0, sum(of("piston_gas_force"), 1.0, of("valve_gas_force"), -1e-3)),
+        line(
+            "piston on bumper and stopper",
+            1,
+            sum(of("bumper.force"), 1.0, of("stopper.force"), 1e-3),
+        ),
+        line(
+            "wood on nose and guard",
+            2,
+            sum(of("nose.force"), 1.0, of("guard.force"), -1e-3),
+        ),
+        line("hand", 6, scaled(of("hand.force"), 1e-3)),
     ];
     let on_workpiece = vec![
-        line("nail", 1, scaled(&f.penetration, 1e-3)),
-        line("support", 0, scaled(&f.support, -1e-3)),
-        line("nose and guard", 2, sum(&f.nose, 1.0, &f.guard, 1e-3)),
+        line("nail", 1, scaled(of("nail.force"), 1e-3)),
+        line("support", 0, scaled(of("support.force"), -1e-3)),
+        line("nose and guard", 2, sum(of("nose.force"), 1.0, of("guard.force"), 1e-3)),
     ];
     let flow = vec![
-        line("exhaust", 1, scaled(&r.exhaust.mass_flow, 1e3)),
-        line("intake", 0, scaled(&r.exhaust.intake_mass_flow, 1e3)),
-        line("trigger vent", 3, scaled(&r.vent.mass_flow, 1e3)),
+        line("exhaust", 1, scaled(of("exhaust.mass_flow"), 1e3)),
+        line("intake", 0, scaled(of("intake.mass_flow"), 1e3)),
+        line("trigger vent", 3, scaled(of("vent.mass_flow"), 1e3)),
     ];
 
     // The thesis assesses the exhaust by the chamber, P_a/P_1, but sound originates at the holes, which have P_a/P_m. A
     // ratio is drawn while its passage is open.
     let critical = design.ambient.critical_ratio();
-    let (above, motion) = (&r.above_piston.pressure, &r.motion.valve_lift);
+    let [above, supply, motion] = ["above_piston.pressure", "supply.pressure", "valve_lift"].map(of);
+    let [before, behind] = ["exhaust_plenum_pressure", "exhaust_back_pressure"].map(of);
     let ratio = |open: &dyn Fn(f64) -> bool, ratio: &dyn Fn(usize) -> f64| {
         let at = |index| if open(motion[index]) { ratio(index) } else { f64::NAN };
         (0..r.len()).map(at).collect::<Vec<f64>>()
@@ -106,11 +112,9 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         |lift| lift > design.head_valve.intake_lap,
         |lift| lift < design.head_valve.exhaust_lap,
     );
-    let intake = ratio(&intake_open, &|i| above[i] / r.supply.pressure[i]);
+    let intake = ratio(&intake_open, &|i| above[i] / supply[i]);
     let chamber = ratio(&exhaust_open, &|i| design.ambient.pressure / above[i]);
-    let holes = ratio(&exhaust_open, &|i| {
-        r.exhaust.back_pressure[i] / r.exhaust.plenum_pressure[i]
-    });
+    let holes = ratio(&exhaust_open, &|i| behind[i] / before[i]);
     let choked = |name: &str, colour: usize, ratios: &[f64]| {
         let at = |ratio: &f64| {
             if *ratio < critical {
@@ -187,12 +191,12 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
             "Air that enters from the supply side and leaves through exhaust and trigger vent.",
             vec![panel("Mass flow", "g/s", 66, flow)],
         ),
-        super::energy(subject, &design.ambient, record),
+        super::energy(subject, &design.ambient, shot.figures),
     ]
 }
 
 /// The time axis of all charts.
-pub(super) fn time_axis(record: &CycleRecord) -> Axis {
+pub(super) fn time_axis(record: &Record) -> Axis {
     let last = record.len().checked_sub(1).map_or(1.0, |last| 1e3 * record.time(last));
     Axis::new("Time from the trigger", "ms", [0.0, last])
 }

@@ -3,7 +3,7 @@
 //! Each bar begins at the end of the one above it, so that inputs build up to the right and losses lead back to the
 //! remainder.
 
-use nailnoise_dynamics::{Ambient, CycleRecord, EnergyFlow};
+use nailnoise_dynamics::{Ambient, EnergyFlow, NailerFigures};
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::palette::GREY;
@@ -15,7 +15,7 @@ const SMALL: f64 = 1e-3;
 type Term = (&'static str, f64);
 
 /// The chart of the energy flow of a nailing cycle. `subject` names the design.
-pub fn energy(subject: &str, ambient: &Ambient, record: &CycleRecord) -> Chart {
+pub fn energy(subject: &str, ambient: &Ambient, nailer: &NailerFigures) -> Chart {
     Chart {
         name: "energy".to_owned(),
         title: "Energy flow",
@@ -25,15 +25,15 @@ pub fn energy(subject: &str, ambient: &Ambient, record: &CycleRecord) -> Chart {
                   mechanics that the work of the gas drives. Air that flows in or out brings its flow work. Each bar \
                   begins where the one above it ends."
                 .to_owned(),
-        panels: vec![gas(ambient, record), mechanics(&record.energy)],
+        panels: vec![gas(ambient, nailer), mechanics(&nailer.energy)],
         events: Vec::new(),
     }
 }
 
 /// Each mass is counted with the internal energy of air at ambient temperature, R T_a / (gamma - 1), as its zero: a
 /// constant of each kilogram drops out of the balance.
-fn gas(ambient: &Ambient, record: &CycleRecord) -> Panel {
-    let (e, mass) = (&record.energy, &record.summary);
+fn gas(ambient: &Ambient, nailer: &NailerFigures) -> Panel {
+    let (e, mass) = (&nailer.energy, &nailer.summary);
     let zero = ambient.gas_constant * ambient.temperature / (ambient.heat_capacity_ratio - 1.0);
     let gained = mass.supply_mass - mass.exhaust_mass - mass.vent_mass - mass.leak_mass;
     let change = e.gas_end - e.gas_start - gained * zero;

@@ -27,7 +27,7 @@ use crate::atomic_write::AtomicWrite;
 use crate::design::Values;
 use crate::error::Error;
 use crate::run::Run;
-use crate::stages::cycle::{EngineRecord, ShotRecord};
+use crate::stages::cycle::ShotRecord;
 
 pub use calibration::calibration;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
@@ -48,9 +48,9 @@ pub use units::in_units;
 
 /// The charts of a shot's cycle; those of the tool of the keys end with [`energy()`].
 pub fn shot(subject: &str, design: &Values, shot: &ShotRecord) -> Vec<Chart> {
-    match &shot.record {
-        EngineRecord::Keys(record) => cycle(subject, design, record),
-        EngineRecord::Assembly(record) => network(subject, record),
+    match shot.of_nailer() {
+        Some(own) => cycle(subject, design, own),
+        None => network(subject, &shot.record),
     }
 }
 

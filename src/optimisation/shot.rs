@@ -46,16 +46,16 @@ impl Shot {
             return Self::of_assembly(&cycle, design);
         }
         let record = chain::cycle(design)?;
-        let performance = Performance::of(&record, &inputs::cycle::parameters(design)?);
-        let summary = serde_json::to_value(&record.summary).map_err(Error::Json)?;
+        let performance = Performance::of(&record.figures, &inputs::cycle::parameters(design)?);
+        let summary = serde_json::to_value(&record.figures.summary).map_err(Error::Json)?;
         let figures = summary.as_object().into_iter().flatten();
         let figures = figures.map(|(name, value)| (name.clone(), value.as_f64()));
         let energies = [
-            (DRIVE_ENERGY.to_owned(), Some(record.energy.penetration)),
+            (DRIVE_ENERGY.to_owned(), Some(record.figures.energy.penetration)),
             (FLUSH_ENERGY.to_owned(), performance.energy_left_j),
         ];
         Ok(Self {
-            outcome: record.outcome.name().to_owned(),
+            outcome: record.figures.outcome.name().to_owned(),
             figures: figures.chain(energies).collect(),
             performance,
             levels: None,

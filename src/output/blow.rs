@@ -7,7 +7,6 @@ use super::{Output, RunView};
 use crate::chain::engine;
 use crate::design::inputs::response::blows;
 use crate::error::Error;
-use crate::stages::cycle::EngineRecord;
 
 /// Forces of the blows.
 pub(super) const BLOWS: Output = Output::of_run("blow.csv", rows).only_if(exist);
@@ -24,7 +23,7 @@ fn exist(of: &RunView<'_>) -> bool {
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let blows = blows(of.design, &engine(of.design)?)?;
     let blows = blows.iter().filter_map(|input| {
-        let course = course(input, &of.run.record.record)?;
+        let course = Course::of_record(input, &of.run.record.record)?;
         Some((input, elastic_blow(input, &course)?, course.resistance))
     });
     let blows: Vec<(&BlowInput, Blow, &[f64])> = blows.collect();
@@ -51,12 +50,4 @@ fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
         (&columns, 6),
         1,
     )
-}
-
-/// The motions and the resistance of a blow in the cycle.
-fn course<'a>(input: &BlowInput, record: &'a EngineRecord) -> Option<Course<'a>> {
-    match record {
-        EngineRecord::Keys(record) => Course::of_keys(record),
-        EngineRecord::Assembly(record) => Course::of_record(input, record),
-    }
 }

@@ -1,31 +1,58 @@
-//! `histories.csv`: time and every history of the cycle.
+//! `histories.csv` and `openings.csv`: time and every history of the cycle.
 
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::Record;
 
 use super::columns::columns;
-use super::table::{coarse, numbers};
-use super::{Exports, Output};
+use super::table::{numbers, stride};
+use super::{CycleView, Exports, Output};
 use crate::error::Error;
 
 /// Histories of the cycle.
 pub(super) const HISTORIES: Output = Output::of_cycle("histories.csv", rows);
 
-/// Time and every history of the cycle: all samples and digits, or samples at a coarser interval with seven digits.
-fn rows(record: &CycleRecord, exports: Exports) -> Result<Vec<u8>, Error> {
-    let columns = columns(record);
-    let titles = columns
-        .iter()
-        .map(|column| format!("{} [{}]", column.name, column.unit));
-    let (stride, digits) = if exports.histories {
-        (1, 9)
-    } else {
-        (coarse(record.sample_interval), 6)
-    };
-    let values: Vec<&[f64]> = columns.iter().map(|column| column.values).collect();
-    numbers(
-        ["time [s]".to_owned()].into_iter().chain(titles),
-        (|index| record.time(index), 7),
-        (&values, digits),
-        stride,
+/// Flows through the openings that make noise.
+pub(super) const OPENINGS: Output = Output::of_cycle("openings.csv", openings);
+
+fn rows(of: CycleView<'_>, exports: Exports) -> Result<Option<Vec<u8>>, Error> {
+    let columns = columns(of.record).into_iter();
+    written(
+        of.record,
+        columns.map(|own| (title(own.name, own.unit), own.values)),
+        exports,
     )
+}
+
+fn openings(of: CycleView<'_>, exports: Exports) -> Result<Option<Vec<u8>>, Error> {
+    let columns = of.record.openings.iter().flat_map(|opening| {
+        let quantities = [
+            ("mass_flow", "kg/s", &opening.mass_flow),
+            ("pressure", "Pa", &opening.pressure),
+            ("back_pressure", "Pa", &opening.back_pressure),
+            ("temperature", "K", &opening.temperature),
+        ];
+        quantities.map(|(quantity, unit, values)| (title(&format!("{}_{quantity}", opening.name), unit), &values[..]))
+    });
+    written(of.record, columns, exports)
+}
+
+/// Title of a column, with its unit.
+pub(super) fn title(name: &str, unit: &str) -> String {
+    format!("{name} [{unit}]").replace(" []", "")
+}
+
+/// Time and histories: all samples and digits, or samples at a coarser interval with seven digits; `None` without
+/// histories.
+fn written<'a>(
+    record: &Record,
+    columns: impl Iterator<Item = (String, &'a [f64])>,
+    exports: Exports,
+) -> Result<Option<Vec<u8>>, Error> {
+    let (titles, values): (Vec<String>, Vec<&[f64]>) = columns.unzip();
+    let Some(interval) = record.interval.filter(|_| !values.is_empty()) else {
+        return Ok(None);
+    };
+    let digits = if exports.histories { 9 } else { 6 };
+    let header = std::iter::once("time [s]".to_owned()).chain(titles);
+    let time = |index| record.time(index);
+    numbers(header, (time, 7), (&values, digits), stride(interval, exports)).map(Some)
 }

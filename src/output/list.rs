@@ -2,21 +2,18 @@
 
 use std::path::Path;
 
-use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
-use super::network::of_network;
-use super::{Exports, File, Output, RunView, Writer};
+use super::{CycleView, Exports, File, Output, RunView, Writer};
 use super::{blow, body_fields, paraview, transducers};
 use super::{
     events, figures, histories, intervals, levels, log, loudness, microphones, motion_bands, power, radiation, ranking,
     result, sensors,
 };
 use crate::error::Error;
-use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 /// Every output of a run.
-pub const OUTPUTS: [Output; 27] = [
+pub const OUTPUTS: [Output; 28] = [
     result::RESULT,
     result::REPORT,
     ranking::RANKING,
@@ -26,6 +23,7 @@ pub const OUTPUTS: [Output; 27] = [
     events::EVENTS,
     log::LOG,
     histories::HISTORIES,
+    histories::OPENINGS,
     blow::BLOWS,
     body_fields::MODES,
     body_fields::FIELDS,
@@ -57,20 +55,12 @@ pub(crate) fn fixed_names() -> impl Iterator<Item = &'static Path> {
 ///
 /// # Errors
 /// [`Error::Table`] if a table is not rectangular.
-pub fn of_cycle(shot: &ShotRecord, exports: Exports) -> Result<Vec<File>, Error> {
-    match &shot.record {
-        EngineRecord::Keys(record) => of_keys(record, exports),
-        EngineRecord::Assembly(record) => of_network(record, exports),
-    }
-}
-
-/// Files of a cycle of the tool of the keys.
-///
-/// # Errors
-/// [`Error::Table`] if a table is not rectangular.
-pub fn of_keys(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Error> {
+pub fn of_cycle(cycle: CycleView<'_>, exports: Exports) -> Result<Vec<File>, Error> {
     let files = OUTPUTS.par_iter().filter_map(|output| match output.writer {
-        Writer::Cycle(write) => Some(write(record, exports).map(|bytes| File::new(output.name, bytes))),
+        Writer::Cycle(write) => {
+            let content = write(cycle, exports).transpose()?;
+            Some(content.map(|content| File::new(output.name, content)))
+        }
         _ => None,
     });
     files.collect()

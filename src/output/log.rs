@@ -1,16 +1,46 @@
 //! `log.csv`: contacts, openings, choking, reversals and events of the shot.
 
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::LogEntry;
+use nailnoise_dynamics::network::Record;
 
+use super::histories::title;
 use super::table::table;
-use super::{Exports, Output};
+use super::{CycleView, Exports, Output};
 use crate::error::Error;
 
 /// The log of the shot.
 pub(super) const LOG: Output = Output::of_cycle("log.csv", rows);
 
-/// All log entries, with the state at that instant.
-fn rows(record: &CycleRecord, _: Exports) -> Result<Vec<u8>, Error> {
+/// All entries, with the state at that instant: those of the nailer in its terms, otherwise those of the blocks.
+fn rows(of: CycleView<'_>, _: Exports) -> Result<Option<Vec<u8>>, Error> {
+    match of.nailer {
+        Some(nailer) => of_nailer(&nailer.log),
+        None => of_blocks(of.record),
+    }
+    .map(Some)
+}
+
+fn of_blocks(record: &Record) -> Result<Vec<u8>, Error> {
+    let log = record.log.iter().map(|entry| {
+        let block = if entry.restriction.is_empty() {
+            entry.block.clone()
+        } else {
+            format!("{}.{}", entry.block, entry.restriction)
+        };
+        let state = entry.state.iter().map(|value| format!("{value:.6e}"));
+        [format!("{:.9}", entry.time), block, entry.word.to_owned()]
+            .into_iter()
+            .chain(state)
+    });
+    let states = record
+        .state_columns
+        .iter()
+        .map(|own| title(&own.name.replace('.', "_"), own.unit));
+    let header = ["time [s]", "block", "word"].map(str::to_owned).into_iter();
+    table(header.chain(states), log)
+}
+
+fn of_nailer(log: &[LogEntry]) -> Result<Vec<u8>, Error> {
     let header = [
         "time [s]",
         "entry",
@@ -28,7 +58,7 @@ fn rows(record: &CycleRecord, _: Exports) -> Result<Vec<u8>, Error> {
         "above_valve_pressure [Pa]",
         "supply_pressure [Pa]",
     ];
-    let rows = record.log.iter().map(|entry| {
+    let rows = log.iter().map(|entry| {
         let word = |value: serde_json::Result<serde_json::Value>| {
             let value = value.unwrap_or_default();
             value.as_str().unwrap_or_default().to_owned()

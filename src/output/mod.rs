@@ -21,7 +21,6 @@ mod modal_shapes;
 mod modes;
 mod motion;
 mod motion_bands;
-mod network;
 mod paraview;
 mod power;
 mod radiation;
@@ -35,24 +34,25 @@ mod table;
 mod transducers;
 pub mod virtual_test;
 
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::Record;
+use nailnoise_dynamics::{CycleRecord, NailerFigures};
 use serde::Serialize;
 
 use crate::design::Design;
 use crate::error::Error;
 use crate::run::Run;
+use crate::stages::cycle::ShotRecord;
 use crate::units::Units;
 
 pub use body_fields::BodyFields;
-pub use columns::{Column, columns, columns_of};
+pub use columns::{Column, columns};
 pub(crate) use dataset::table_hdf5;
 pub use file::File;
 pub use film::Fields;
 pub(crate) use list::fixed_names;
-pub use list::{OUTPUTS, of_cycle, of_keys, of_run, of_study};
+pub use list::{OUTPUTS, of_cycle, of_run, of_study};
 pub use microphones::sounds;
 pub use modal_shapes::{write_modes, write_motion, write_universal};
-pub use network::of_network;
 pub use result::LAST;
 pub use sound_fields::{outdated_fields, write_sound_fields};
 pub(crate) use table::table;
@@ -83,11 +83,14 @@ pub struct Output {
     pub writer: Writer,
 }
 
+/// Makes a file of a cycle.
+type OfCycle = fn(CycleView<'_>, Exports) -> Result<Option<Vec<u8>>, Error>;
+
 /// How the files of an output are made.
 #[derive(Clone, Copy)]
 pub enum Writer {
-    /// One file of the cycle, made while the sources are computed.
-    Cycle(fn(&CycleRecord, Exports) -> Result<Vec<u8>, Error>),
+    /// One file of the cycle, made while the sources are computed; none for a cycle without its content.
+    Cycle(OfCycle),
     /// One file of a run that no study affects.
     Run(fn(&RunView<'_>) -> Result<Vec<u8>, Error>),
     /// Several files of a run that no study affects.
@@ -96,6 +99,33 @@ pub enum Writer {
     Study(fn(&RunView<'_>) -> Result<Vec<u8>, Error>),
     /// Files of the stage [`BodyFields`], which are stored once for all runs with the same motion of the bodies.
     Bodies,
+}
+
+/// A cycle whose files are written.
+#[derive(Clone, Copy)]
+pub struct CycleView<'a> {
+    /// Histories, events and log of its blocks.
+    pub record: &'a Record,
+    /// The shot in terms of the nailer, for the tool described by keys.
+    pub nailer: Option<&'a NailerFigures>,
+}
+
+impl<'a> From<&'a ShotRecord> for CycleView<'a> {
+    fn from(shot: &'a ShotRecord) -> Self {
+        Self {
+            record: &shot.record,
+            nailer: shot.nailer.as_deref(),
+        }
+    }
+}
+
+impl<'a> From<&'a CycleRecord> for CycleView<'a> {
+    fn from(cycle: &'a CycleRecord) -> Self {
+        Self {
+            record: &cycle.record,
+            nailer: Some(&cycle.figures),
+        }
+    }
 }
 
 /// The data of a run from which its outputs are made.
@@ -119,7 +149,7 @@ impl Output {
         }
     }
 
-    const fn of_cycle(name: &'static str, write: fn(&CycleRecord, Exports) -> Result<Vec<u8>, Error>) -> Self {
+    const fn of_cycle(name: &'static str, write: OfCycle) -> Self {
         Self::new(name, Writer::Cycle(write))
     }
 

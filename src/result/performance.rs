@@ -2,7 +2,7 @@
 
 use nailnoise_dynamics::network::assembly::Fastener;
 use nailnoise_dynamics::network::{Assembly, Record};
-use nailnoise_dynamics::{Ambient, Crossing, CycleRecord, Parameters};
+use nailnoise_dynamics::{Ambient, Crossing, NailerFigures, Parameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,10 +26,10 @@ pub struct Performance {
 
 impl Performance {
     /// The performance of a shot with these parameters.
-    pub fn of(record: &CycleRecord, parameters: &Parameters) -> Self {
-        let summary = &record.summary;
+    pub fn of(nailer: &NailerFigures, parameters: &Parameters) -> Self {
+        let summary = &nailer.summary;
         let deep = |entry: &&nailnoise_dynamics::LogEntry| entry.crossing == Crossing::FullDepth && entry.is_rising();
-        let flush = record.log.iter().find(deep).map(|entry| &entry.state);
+        let flush = nailer.log.iter().find(deep).map(|entry| &entry.state);
         let kinetic = |velocity: f64| 0.5 * parameters.piston.mass * velocity.powi(2);
         let air = summary.exhaust_mass + summary.vent_mass + summary.leak_mass;
         let ambient = &parameters.ambient;
@@ -37,7 +37,7 @@ impl Performance {
             head_depth_m: Some(summary.head_depth),
             energy_left_j: flush.map(|state| kinetic(state.piston_velocity + state.tool_velocity)),
             air_m3: Some(free_volume(air, ambient)),
-            shots_per_second: record.events.t18.map(f64::recip),
+            shots_per_second: nailer.events.t18.map(f64::recip),
         }
     }
 

@@ -54,11 +54,11 @@ pub struct Settled {
 
 impl TrialShot {
     fn of(record: &CycleRecord) -> Self {
-        let energy = &record.energy;
+        let own = &record.figures;
         Self {
-            outcome: record.outcome,
-            head_depth: record.summary.head_depth,
-            energy_at_nail: energy.penetration + energy.nail_impact,
+            outcome: own.outcome,
+            head_depth: own.summary.head_depth,
+            energy_at_nail: own.energy.penetration + own.energy.nail_impact,
         }
     }
 
@@ -138,7 +138,8 @@ fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -
         }
         record => record?,
     };
-    if record.events.t12.is_some() || record.events.t3.is_none() {
+    let events = &record.figures.events;
+    if events.t12.is_some() || events.t3.is_none() {
         return Ok((setting, TrialShot::of(&record)));
     }
     let by_hand = Setting {
@@ -167,17 +168,15 @@ fn tool_energy(design: &Design) -> Result<Option<f64>, Error> {
         Err(Error::Cycle(CycleError::DryFire { .. })) => return Ok(None),
         record => record?,
     };
-    let flush = record
-        .motion
-        .nail_depth
-        .iter()
-        .position(|depth| *depth >= design.nail.length);
+    let [depth, velocity, mass] =
+        ["nail.deepest", "piston.velocity", "piston.moving_mass"].map(|own| record.history(own));
+    let flush = depth.iter().position(|depth| *depth >= design.nail.length);
     let taken = match flush {
         Some(sample) => {
-            let (v, m) = (record.piston.velocity[sample], record.motion.moving_mass[sample]);
+            let (v, m) = (velocity[sample], mass[sample]);
             needed(design)? + 0.5 * m * v * v
         }
-        None => record.energy.penetration,
+        None => record.figures.energy.penetration,
     };
-    Ok(Some(record.energy.nail_impact + taken))
+    Ok(Some(record.figures.energy.nail_impact + taken))
 }

@@ -35,7 +35,7 @@ macro_rules! event {
             name: stringify!($name),
             group: "events",
             unit: "s",
-            read: |r| r.events.$name,
+            read: |r| r.figures.events.$name,
         }
     };
 }
@@ -56,11 +56,21 @@ const fn output(
 
 /// All figures, in the order of the reports.
 pub const OUTPUTS: &[Output] = &[
-    output("speed_before_impact", "speed", "m/s", |r| r.summary.speed_before_impact),
-    output("speed_after_impact", "speed", "m/s", |r| r.summary.speed_after_impact),
-    output("mean_drive_speed", "speed", "m/s", |r| r.summary.mean_drive_speed),
-    output("penetration", "penetration", "m", |r| Some(r.summary.penetration)),
-    output("penetration_work", "penetration", "J", |r| Some(r.energy.penetration)),
+    output("speed_before_impact", "speed", "m/s", |r| {
+        r.figures.summary.speed_before_impact
+    }),
+    output("speed_after_impact", "speed", "m/s", |r| {
+        r.figures.summary.speed_after_impact
+    }),
+    output("mean_drive_speed", "speed", "m/s", |r| {
+        r.figures.summary.mean_drive_speed
+    }),
+    output("penetration", "penetration", "m", |r| {
+        Some(r.figures.summary.penetration)
+    }),
+    output("penetration_work", "penetration", "J", |r| {
+        Some(r.figures.energy.penetration)
+    }),
     event!(t1),
     event!(t2),
     event!(t3),
@@ -80,24 +90,30 @@ pub const OUTPUTS: &[Output] = &[
     event!(t17),
     event!(t18),
     output("peak_penetration_force", "forces", "N", |r| {
-        Some(peak(&r.forces.penetration, 1.0))
+        Some(peak(r.history("nail.force"), 1.0))
     }),
     output("peak_support_force", "forces", "N", |r| {
-        Some(peak(&r.forces.support, 1.0))
+        Some(peak(r.history("support.force"), 1.0))
     }),
-    output("peak_nose_force", "forces", "N", |r| Some(peak(&r.forces.nose, 1.0))),
-    output("peak_cap_force", "forces", "N", |r| Some(peak(&r.forces.cap, -1.0))),
-    output("peak_seat_force", "forces", "N", |r| Some(peak(&r.forces.seat, 1.0))),
+    output("peak_nose_force", "forces", "N", |r| {
+        Some(peak(r.history("nose.force"), 1.0))
+    }),
+    output("peak_cap_force", "forces", "N", |r| {
+        Some(peak(r.history("cap.force"), -1.0))
+    }),
+    output("peak_seat_force", "forces", "N", |r| {
+        Some(peak(r.history("seat.force"), 1.0))
+    }),
     output("peak_bumper_force", "forces", "N", |r| {
-        Some(peak(&r.forces.bumper, 1.0))
+        Some(peak(r.history("bumper.force"), 1.0))
     }),
     output("peak_stopper_force", "forces", "N", |r| {
-        Some(peak(&r.forces.stopper, -1.0))
+        Some(peak(r.history("stopper.force"), -1.0))
     }),
-    output("exhaust_mass", "masses", "kg", |r| Some(r.summary.exhaust_mass)),
-    output("vent_mass", "masses", "kg", |r| Some(r.summary.vent_mass)),
-    output("leak_mass", "masses", "kg", |r| Some(r.summary.leak_mass)),
-    output("supply_mass", "masses", "kg", |r| Some(r.summary.supply_mass)),
+    output("exhaust_mass", "masses", "kg", |r| Some(r.figures.summary.exhaust_mass)),
+    output("vent_mass", "masses", "kg", |r| Some(r.figures.summary.vent_mass)),
+    output("leak_mass", "masses", "kg", |r| Some(r.figures.summary.leak_mass)),
+    output("supply_mass", "masses", "kg", |r| Some(r.figures.summary.supply_mass)),
 ];
 
 /// The default figures, unless others are named.

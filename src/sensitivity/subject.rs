@@ -85,7 +85,7 @@ impl OfKeys<'_> {
 
     fn read(&self, record: &CycleRecord) -> Shot {
         Shot {
-            outcome: record.outcome.name().to_owned(),
+            outcome: record.figures.outcome.name().to_owned(),
             figures: self.outputs.iter().map(|output| output.of(record)).collect(),
         }
     }

@@ -16,7 +16,7 @@ pub fn changes(
     range_hz: [f64; 2],
 ) -> Coupling {
     // The first event of the tool of the keys is the trigger, at the same time in both.
-    let first = usize::from(one_shot.of_tool_of_keys().is_some());
+    let first = usize::from(one_shot.nailer.is_some());
     let events = one_shot.events.iter().skip(first);
     let level = |name: &str, one_way_lwa_db, two_way_lwa_db| LevelChange {
         source: name.to_owned(),

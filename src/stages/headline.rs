@@ -1,12 +1,12 @@
 //! Headline of a shot that does not end as it should: the outcome, the figure by which it misses, and the inputs that
 //! would change it most. Reports, tables, pages and Python all show this text before the levels.
 
-use nailnoise_dynamics::{CycleRecord, Outcome, Parameters, simulate};
+use nailnoise_dynamics::{Outcome, Parameters, simulate};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::cycle::Cycle;
+use super::cycle::{Cycle, NailerShot};
 use super::{Code, Postcard, Progress, Stage, code};
 use crate::error::Error;
 
@@ -121,14 +121,14 @@ impl Miss {
     }
 
     /// Its value in a shot.
-    fn value(self, record: &CycleRecord, parameters: &Parameters) -> f64 {
+    fn value(self, shot: NailerShot<'_>, parameters: &Parameters) -> f64 {
         match self {
-            Self::Protrusion => -record.summary.head_depth,
-            Self::HeadDepth => record.summary.head_depth,
-            Self::BumperSpeed => bumper_speed(record),
-            Self::Lift => parameters.head_valve.intake_lap - highest(record.motion.valve_lift.iter().copied()),
-            Self::Rise => parameters.contacts.guard_travel - rise(record),
-            Self::PressureLeft => pressure_left(record, parameters),
+            Self::Protrusion => -shot.figures.summary.head_depth,
+            Self::HeadDepth => shot.figures.summary.head_depth,
+            Self::BumperSpeed => bumper_speed(shot),
+            Self::Lift => parameters.head_valve.intake_lap - highest(shot.record.history("valve_lift").iter().copied()),
+            Self::Rise => parameters.contacts.guard_travel - rise(shot),
+            Self::PressureLeft => pressure_left(shot, parameters),
         }
     }
 }
@@ -138,14 +138,15 @@ fn highest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Largest rise of the nose off the wood \[m\].
-fn rise(record: &CycleRecord) -> f64 {
-    let (wood, nose) = (&record.workpiece.position, &record.tool.position);
+fn rise(shot: NailerShot<'_>) -> f64 {
+    let [wood, nose] = ["workpiece", "tool"].map(|body| shot.record.history(&format!("{body}.position")));
     highest(wood.iter().zip(nose).map(|(wood, nose)| wood - nose))
 }
 
 /// Speed of the piston against the tool when it first meets the bumper; 0 if it does not \[m/s\].
-fn bumper_speed(record: &CycleRecord) -> f64 {
-    let met = record
+fn bumper_speed(shot: NailerShot<'_>) -> f64 {
+    let met = shot
+        .figures
         .log
         .iter()
         .find(|entry| entry.crossing == nailnoise_dynamics::Crossing::PistonAtBumper && entry.is_rising());
@@ -153,25 +154,25 @@ fn bumper_speed(record: &CycleRecord) -> f64 {
 }
 
 /// P_1 - P_a at the end of the record \[Pa\].
-fn pressure_left(record: &CycleRecord, parameters: &Parameters) -> f64 {
-    let last = record.above_piston.pressure.last().copied();
+fn pressure_left(shot: NailerShot<'_>, parameters: &Parameters) -> f64 {
+    let last = shot.record.history("above_piston.pressure").last().copied();
     last.map_or(0.0, |pressure| pressure - parameters.ambient.pressure)
 }
 
 /// The outcome of a shot in a sentence, whether or not the nail is driven.
-pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
-    let depth = 1e3 * record.summary.head_depth;
+pub fn sentence(shot: NailerShot<'_>, parameters: &Parameters) -> String {
+    let depth = 1e3 * shot.figures.summary.head_depth;
     let head = match depth {
         0.0.. => format!("the head of the nail ends {depth:.1} mm below the surface"),
         _ => format!("{:.1} mm of the nail protrude", -depth),
     };
     let left = format!(
         "{:.0} kPa of overpressure are left above the piston after {:.0} ms",
-        1e-3 * pressure_left(record, parameters),
-        1e3 * record.time(record.len().saturating_sub(1))
+        1e-3 * pressure_left(shot, parameters),
+        1e3 * shot.record.time(shot.record.len().saturating_sub(1))
     );
     let milli = |length: f64| format!("{:.2} mm", 1e3 * length);
-    match record.outcome {
+    match shot.figures.outcome {
         Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
         Outcome::Overdriven => format!(
             "the nail is overdriven: its head ends {depth:.1} mm below the surface, where {:.1} mm are allowed; the \
@@ -181,19 +182,19 @@ pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
         ),
         Outcome::StrikesBumper => format!(
             "the piston strikes the bumper at {:.1} m/s before it stops on the wood; {head}",
-            bumper_speed(record)
+            bumper_speed(shot)
         ),
         Outcome::Underdriven => format!("the nail is not driven to its length: {head}"),
         Outcome::DoesNotOpen => format!(
             "no shot: the head valve lifts by {} and opens the intake at {}",
-            milli(highest(record.motion.valve_lift.iter().copied())),
+            milli(highest(shot.record.history("valve_lift").iter().copied())),
             milli(parameters.head_valve.intake_lap)
         ),
         Outcome::DoesNotRelease => format!(
             "the exhaust does not open: the tool rises by {} and releases the trigger valve at {}, with no \
              `trigger.release_after` \
              within the record; {left}",
-            milli(rise(record)),
+            milli(rise(shot)),
             milli(parameters.contacts.guard_travel)
         ),
         Outcome::DoesNotExhaust => format!("the exhaust does not open before the record ends; {left}"),
@@ -202,18 +203,18 @@ pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
 
 impl Headline {
     /// The headline of a shot without the inputs that change it; `None` if the nail is driven and the exhaust opens.
-    pub fn of(record: &CycleRecord, parameters: &Parameters) -> Option<Self> {
-        let miss = Miss::of(record.outcome)?;
-        let exhaust_opens = record.events.t13.is_some();
-        let mut text = sentence(record, parameters);
+    pub fn of(shot: NailerShot<'_>, parameters: &Parameters) -> Option<Self> {
+        let miss = Miss::of(shot.figures.outcome)?;
+        let exhaust_opens = shot.figures.events.t13.is_some();
+        let mut text = sentence(shot, parameters);
         let said = matches!(
-            record.outcome,
+            shot.figures.outcome,
             Outcome::DoesNotOpen | Outcome::DoesNotRelease | Outcome::DoesNotExhaust
         );
         if !exhaust_opens && !said {
             text.push_str(&format!(
                 "; the exhaust does not open, and {:.0} kPa of overpressure are left above the piston",
-                1e-3 * pressure_left(record, parameters)
+                1e-3 * pressure_left(shot, parameters)
             ));
         }
         if !exhaust_opens {
@@ -221,12 +222,12 @@ impl Headline {
         }
         let [name, unit] = miss.described().map(str::to_owned);
         Some(Self {
-            outcome: record.outcome.name().to_owned(),
+            outcome: shot.figures.outcome.name().to_owned(),
             text,
             exhaust_opens,
             figure: Figure {
                 name,
-                value: miss.value(record, parameters),
+                value: miss.value(shot, parameters),
                 unit,
             },
             inputs: Vec::new(),
@@ -361,7 +362,10 @@ impl Stage for Influences {
         let figure = |cycle: &Cycle| {
             // A shot that fails yields no figure.
             let record = simulate(&cycle.parameters, &cycle.settings).ok()?;
-            Some((record.outcome, self.miss.value(&record, &cycle.parameters)))
+            Some((
+                record.figures.outcome,
+                self.miss.value((&record).into(), &cycle.parameters),
+            ))
         };
         let Some((_, here)) = figure(&self.base) else {
             return Ok(Vec::new());

@@ -277,10 +277,11 @@ mod tests {
         design.hand.force = 300.0;
         let landing = Landing::of(&crate::chain::shot(&design).unwrap()).unwrap();
         let record = crate::chain::cycle(&design).unwrap();
-        let before = (landing.time / record.sample_interval) as usize - 1;
-        let height = |sample: usize| record.workpiece.position[sample] - record.tool.position[sample];
+        let before = (landing.time / record.sample_interval()) as usize - 1;
+        let height =
+            |sample: usize| record.history("workpiece.position")[sample] - record.history("tool.position")[sample];
         let top = (0..before).max_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap();
-        let acceleration = 9.81 + record.forces.hand[top] / design.tool.mass;
+        let acceleration = 9.81 + record.history("hand.force")[top] / design.tool.mass;
         let fall = (2.0 * acceleration * (height(top) - height(before))).sqrt();
         assert!(
             (landing.speed / fall - 1.0).abs() < 0.1,

@@ -1,7 +1,7 @@
 //! Outcomes of many shots without their sound: the inexpensive part of a study.
 
 use nailnoise_dynamics::network::{self, RunError};
-use nailnoise_dynamics::{CycleError, simulate};
+use nailnoise_dynamics::{CycleError, CycleRecord, simulate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -98,11 +98,11 @@ fn of_assembly(cycle: &AssembledCycle) -> ShotOutcome {
 
 fn of_keys(cycle: &Cycle) -> ShotOutcome {
     match simulate(&cycle.parameters, &cycle.settings) {
-        Ok(record) => ShotOutcome::Shot(ShotFigures {
-            outcome: record.outcome.name().to_owned(),
-            mean_drive_speed: record.summary.mean_drive_speed,
-            penetration: record.summary.penetration,
-            exhaust_mass: record.summary.exhaust_mass,
+        Ok(CycleRecord { figures, .. }) => ShotOutcome::Shot(ShotFigures {
+            outcome: figures.outcome.name().to_owned(),
+            mean_drive_speed: figures.summary.mean_drive_speed,
+            penetration: figures.summary.penetration,
+            exhaust_mass: figures.summary.exhaust_mass,
         }),
         Err(CycleError::DryFire { .. }) => ShotOutcome::DryFire,
         Err(error @ (CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. })) => {

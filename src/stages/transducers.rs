@@ -111,7 +111,7 @@ impl PressureTransducer {
     /// Absolute pressure at the transducer \[Pa\]. In the cylinder's wall, it is that of the volume below the piston
     /// until the piston has passed, and that above the piston while the piston is below it.
     fn pressure(&self, record: &ShotRecord) -> Vec<f64> {
-        let wall = |surface: &str| record.pressures.iter().find(|wall| wall.surface == surface);
+        let wall = |surface: &str| record.pressures().find(|wall| wall.surface == surface);
         let read = match &self.chamber {
             Chamber::Volume(name) => record.volume_pressure(name).map(<[f64]>::to_vec),
             Chamber::Return => wall(RETURN_WALL).map(|wall| wall.pressure.clone()),

@@ -284,8 +284,8 @@ fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
     let (record, parameters) = (chain::cycle(design)?, parameters(design)?);
     let missed = levels.outcome != Outcome::Drives.name();
     Ok(Shot {
-        performance: Some(Performance::of(&record, &parameters)),
-        headline: missed.then(|| Headline::of(&record, &parameters)).flatten(),
+        performance: Some(Performance::of(&record.figures, &parameters)),
+        headline: missed.then(|| Headline::of((&record).into(), &parameters)).flatten(),
     })
 }
 

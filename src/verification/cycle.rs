@@ -132,7 +132,10 @@ fn pressures(p: &Parameters, end: f64) -> Result<CycleRecord, Error> {
 fn choked(case: Case, record: &CycleRecord, exact: impl Fn(f64) -> f64, part: f64) -> Vec<Row> {
     let row = |milliseconds: usize| {
         let sample = milliseconds * 50;
-        let (reference, computed) = (exact(record.time(sample)), record.above_valve.pressure[sample]);
+        let (reference, computed) = (
+            exact(record.time(sample)),
+            record.history("above_valve.pressure")[sample],
+        );
         let quantity = format!("pressure after {milliseconds} ms, kPa");
         let row = case.row(quantity, 1e-3 * reference, 1e-3 * computed);
         row.within_part(part).decimals(3)
@@ -143,7 +146,7 @@ fn choked(case: Case, record: &CycleRecord, exact: impl Fn(f64) -> f64, part: f6
 /// Mass flow out of a vessel at constant temperature, from the slope of its pressure, divided by the pressure \[kg/(s
 /// Pa)\].
 fn flow_per_pressure(of: &Discharge, record: &CycleRecord, sample: usize) -> f64 {
-    let p = &record.above_valve.pressure;
+    let p = record.history("above_valve.pressure");
     let slope = (p[sample + 1] - p[sample - 1]) / (2.0 * INTERVAL);
     -slope * of.volume / (of.gas_constant * of.temperature) / p[sample]
 }
@@ -168,12 +171,15 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
     );
     let mut critical = Vec::new();
     for ratio in [0.6, 0.7, 0.8, 0.9] {
-        let at = record.above_valve.pressure.iter().position(|p| of.outside / p > ratio);
-        let Some(sample) = at.filter(|&at| at > 0 && at + 1 < record.above_valve.pressure.len()) else {
+        let at = record
+            .history("above_valve.pressure")
+            .iter()
+            .position(|p| of.outside / p > ratio);
+        let Some(sample) = at.filter(|&at| at > 0 && at + 1 < record.history("above_valve.pressure").len()) else {
             rows.push(SUBSONIC.row(format!("flow at the ratio {ratio} over choked flow"), 1.0, f64::NAN));
             continue;
         };
-        let found = of.outside / record.above_valve.pressure[sample];
+        let found = of.outside / record.history("above_valve.pressure")[sample];
         let flow = flow_per_pressure(&of, &record, sample) / choked;
         let quantity = format!("flow at the ratio {ratio} over choked flow");
         rows.push(

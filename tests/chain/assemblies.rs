@@ -4,7 +4,7 @@ use nailnoise::chain::{self, Chain, Options};
 use nailnoise::design::Value;
 use nailnoise::graph::Graph;
 use nailnoise::measurement::markers::MarkerEvents;
-use nailnoise::output::columns_of;
+use nailnoise::output::columns;
 use nailnoise::run::Run;
 use nailnoise::stages::cycle::ShotRecord;
 use nailnoise::store::{LIMIT, Store};
@@ -109,7 +109,7 @@ fn the_loads_of_the_n80cb_are_those_of_its_assembly() {
     let rms = |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
     // The corrections are small differences of large forces.
     for (own, others, limit) in [
-        (&keys.loads, &assembly.loads, 2e-3),
+        (&keys.record.loads, &assembly.record.loads, 2e-3),
         (&keys.impulse_corrections, &assembly.impulse_corrections, 0.03),
     ] {
         assert_eq!(own.len(), others.len());
@@ -384,9 +384,12 @@ fn a_fastener_of_an_assembly_has_a_speed_where_its_resistance_depends_on_it() {
     let own = "[cycle]\nassembly = \"n80cb\"";
     let rate = "wood.rate = \"speed\"";
     let [keys, assembly] = ["", own].map(|cycle| chain::shot(&small(&format!("{rate}\n{cycle}"))).unwrap());
-    let record = keys.of_tool_of_keys().unwrap();
+    let record = &keys.record;
     let speed = assembly.workpiece.unwrap().fastener_speed.unwrap();
-    let expected = record.piston.velocity.iter().zip(&record.workpiece.velocity);
+    let expected = record
+        .history("piston.velocity")
+        .iter()
+        .zip(record.history("workpiece.velocity"));
     let expected: Vec<f64> = expected.map(|(piston, wood)| (piston - wood).max(0.0)).collect();
     let fastest = expected.iter().copied().fold(0.0, f64::max);
     assert!(fastest > 10.0, "{fastest} m/s");
@@ -416,11 +419,11 @@ fn volumes_of_the_exhausts_path_state_how_much_gas_leaves_choked() {
         "[cycle]\nassembly = \"n80cb_chamber\"",
     ]
     .map(|cycle| chain::shot(&small(cycle)).unwrap());
-    let record = keys.of_tool_of_keys().unwrap();
+    let record = &keys.record;
     let critical = (2.0_f64 / 2.4).powf(3.5);
-    let flows = record.exhaust.mass_flow.iter().map(|flow| flow.max(0.0));
+    let flows = record.history("exhaust.mass_flow").iter().map(|flow| flow.max(0.0));
     let (mut choked, mut total) = (0.0, 0.0);
-    for (flow, pressure) in flows.zip(&record.above_piston.pressure) {
+    for (flow, pressure) in flows.zip(record.history("above_piston.pressure")) {
         total += flow;
         choked += if keys.ambient_pressure < critical * pressure {
             flow
@@ -444,7 +447,7 @@ fn volumes_of_the_exhausts_path_state_how_much_gas_leaves_choked() {
 #[test]
 fn an_assembly_of_the_n80cb_has_its_columns() {
     let [keys, assembly] = ["", "[cycle]\nassembly = \"n80cb\""].map(|cycle| chain::shot(&small(cycle)).unwrap());
-    let (of_keys, of_assembly) = (columns_of(&keys), columns_of(&assembly));
+    let (of_keys, of_assembly) = (columns(&keys.record), columns(&assembly.record));
     for column in &of_keys {
         let same: Vec<_> = of_assembly.iter().filter(|own| own.name == column.name).collect();
         let [own] = same[..] else {

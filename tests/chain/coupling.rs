@@ -9,7 +9,7 @@ use nailnoise::run::Run;
 use nailnoise::stages::cycle::{Cycle, Engine};
 use nailnoise::stages::response::{COUPLED_LOADS, Coupled, CoupledTool, DrivenFastener, FastenerLaw, couple};
 use nailnoise::store::Store;
-use nailnoise_dynamics::{CycleRecord, Geometry, Parameters, simulate};
+use nailnoise_dynamics::{Geometry, NailerFigures, Parameters, simulate};
 use nailnoise_fem::vibration::{ModalBody, ModalResponse, Motion, Settings, Support, SupportLaw};
 use nalgebra::DMatrix;
 
@@ -63,9 +63,9 @@ fn coupled(design: &Design, parameters: &Parameters, points: usize) -> Coupled {
     couple(tool, &[body], &supports, &settings).unwrap()
 }
 
-/// The record of a coupled shot of the tool of the keys.
-fn record(coupled: &Coupled) -> &CycleRecord {
-    coupled.shot.of_tool_of_keys().unwrap()
+/// The figures of a coupled shot of the tool of the keys.
+fn figures(coupled: &Coupled) -> &NailerFigures {
+    coupled.shot.nailer.as_ref().unwrap()
 }
 
 #[test]
@@ -75,12 +75,12 @@ fn a_rigid_block_on_a_rigid_support_gives_the_lumped_cycle() {
     let parameters = parameters(&design).unwrap();
     let lumped = simulate(&parameters, &cycle_settings(&design)).unwrap();
     let found = coupled(&design, &parameters, 65);
-    let (one, two) = (lumped.events.to_array(), record(&found).events.to_array());
+    let (one, two) = (lumped.figures.events.to_array(), figures(&found).events.to_array());
     for (k, (one, two)) in one.into_iter().zip(two).enumerate() {
         let (one, two) = (one.unwrap(), two.unwrap());
         assert!((one - two).abs() < 2e-6, "t{k}: {one} {two} s");
     }
-    let (a, b) = (&lumped.summary, &record(&found).summary);
+    let (a, b) = (&lumped.figures.summary, &figures(&found).summary);
     for (one, two) in [
         (a.penetration, b.penetration),
         (a.peak_support_force, b.peak_support_force),
@@ -89,7 +89,7 @@ fn a_rigid_block_on_a_rigid_support_gives_the_lumped_cycle() {
     ] {
         assert!((one - two).abs() < 2e-3 * one, "{one} {two}");
     }
-    let checks = record(&found).checks.iter().chain(&found.response.checks);
+    let checks = figures(&found).checks.iter().chain(&found.response.checks);
     for check in checks.chain(&found.checks) {
         assert!(check.ok, "{}", check.name);
     }
@@ -100,18 +100,19 @@ fn forces_on_both_sides_are_the_same_at_every_sample() {
     let design = design();
     let parameters = parameters(&design).unwrap();
     let found = coupled(&design, &parameters, 1);
-    let (record, response) = (record(&found), &found.response);
+    let (record, response) = (&found.shot.record, &found.response);
+    let names = ["nail.force", "nose.force", "guard.force", "support.force"];
+    let [penetration, nose, guard, support] = names.map(|name| record.history(name));
     let mut largest: f64 = 0.0;
     for sample in 0..record.len() {
         let loads = response.loads.column(sample);
         let nail: f64 = loads.rows(0, COUPLED_LOADS - 2).sum();
-        let f = &record.forces;
-        largest = largest.max(f.penetration[sample]);
-        assert!((f.penetration[sample] - nail).abs() < 1e-5, "{sample}");
-        let seat = f.nose[sample].max(0.0) + f.guard[sample];
+        largest = largest.max(penetration[sample]);
+        assert!((penetration[sample] - nail).abs() < 1e-5, "{sample}");
+        let seat = nose[sample].max(0.0) + guard[sample];
         assert!((seat - loads[COUPLED_LOADS - 2]).abs() < 1e-5, "{sample}");
         assert!(
-            (f.support[sample] - response.contact_forces[(0, sample)]).abs() < 1e-6,
+            (support[sample] - response.contact_forces[(0, sample)]).abs() < 1e-6,
             "{sample}"
         );
     }
@@ -125,7 +126,7 @@ fn a_softer_support_takes_the_nail_less_deep() {
     let depth = |factor: f64| {
         let mut soft = stiff.clone();
         soft.support.stiffness *= factor;
-        record(&coupled(&design, &soft, 1)).summary.penetration
+        figures(&coupled(&design, &soft, 1)).summary.penetration
     };
     assert!(
         depth(1.0) > depth(0.01),
@@ -422,14 +423,14 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
     };
     fine(&two_way);
     // The force of the support in the cycle is the load on the springs along z, not their lateral restraint.
-    let (record, response) = (two_way.record.of_tool_of_keys().unwrap(), &coupled.response);
+    let (record, response) = (&two_way.record.record, &coupled.response);
     let vertical = |n: usize| {
         (0..4)
             .map(|corner| response.contact_forces[(3 * corner + 2, n)])
             .sum::<f64>()
     };
     for n in (0..record.len()).step_by(50) {
-        assert!((record.forces.support[n] - vertical(n)).abs() < 1e-6 * (1.0 + vertical(n).abs()));
+        assert!((record.history("support.force")[n] - vertical(n)).abs() < 1e-6 * (1.0 + vertical(n).abs()));
     }
     let feet = Design::load("designs/n80cb-feet.toml").unwrap();
     let mut table = small("support.worktable.foot = \"clamped\"");

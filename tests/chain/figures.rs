@@ -4,6 +4,7 @@ use nailnoise::chain::{cycle, cycle_as_published};
 use nailnoise::figures::Chart;
 use nailnoise::stages::cycle::Preset;
 use nailnoise::{Design, figures};
+use nailnoise_dynamics::CycleRecord;
 
 fn design() -> Design {
     Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap()
@@ -11,7 +12,7 @@ fn design() -> Design {
 
 fn charts() -> Vec<Chart> {
     let design = design();
-    figures::cycle("n80cb", &design, &cycle(&design).unwrap())
+    figures::cycle("n80cb", &design, (&cycle(&design).unwrap()).into())
 }
 
 /// The values of an attribute, in the order of the file.
@@ -54,7 +55,7 @@ fn every_chart_of_a_cycle_is_drawn_within_its_page() {
         cycle(&design).unwrap(),
         cycle_as_published(&design, Preset::PublishedAll).unwrap(),
     ] {
-        let charts = figures::cycle("n80cb", &design, &record);
+        let charts = figures::cycle("n80cb", &design, (&record).into());
         let names: Vec<&str> = charts.iter().map(|chart| chart.name.as_str()).collect();
         assert_eq!(names, ["pressures", "motion", "ratios", "forces", "flow", "energy"]);
         for chart in &charts {
@@ -126,9 +127,9 @@ fn every_event_is_marked_over_the_charts_of_time() {
 fn spikes_of_a_few_microseconds_reach_their_height() {
     let design = design();
     let record = cycle(&design).unwrap();
-    let lowest = record.forces.cap.iter().copied().fold(0.0, f64::min);
+    let lowest = record.history("cap.force").iter().copied().fold(0.0, f64::min);
     assert!(lowest < -1e4, "the cap is struck: {lowest}");
-    let charts = figures::cycle("n80cb", &design, &record);
+    let charts = figures::cycle("n80cb", &design, (&record).into());
     let forces = charts.iter().find(|chart| chart.name == "forces").unwrap();
     let valve = &forces.panels[0];
     let deepest = valve.series[0].y.iter().copied().fold(0.0, f64::min);
@@ -151,7 +152,7 @@ fn spikes_of_a_few_microseconds_reach_their_height() {
 #[test]
 fn a_cascade_names_what_a_published_form_does_not_keep() {
     let design = design();
-    let energy = |record| figures::energy("n80cb", &design.ambient, &record).svg();
+    let energy = |own: CycleRecord| figures::energy("n80cb", &design.ambient, &own.figures).svg();
     let lost = "not kept by the model";
     assert!(!energy(cycle(&design).unwrap()).contains(lost));
     assert!(energy(cycle_as_published(&design, Preset::PublishedAll).unwrap()).contains(lost));
@@ -161,7 +162,7 @@ fn a_cascade_names_what_a_published_form_does_not_keep() {
 #[test]
 fn a_cascade_closes() {
     let design = design();
-    for panel in figures::energy("n80cb", &design.ambient, &cycle(&design).unwrap()).panels {
+    for panel in figures::energy("n80cb", &design.ambient, &cycle(&design).unwrap().figures).panels {
         let last = panel.y.categories.len() as f64 - 1.0;
         let stored = &panel.series[0];
         assert_eq!(stored.y.last(), Some(&last));

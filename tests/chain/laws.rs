@@ -90,9 +90,9 @@ fn more_supply_pressure_drives_faster_and_blows_more_air() {
     let mut raised = small();
     raised.supply.pressure *= 1.1;
     let [before, after] = [&design, &raised].map(|d| chain::cycle(d).unwrap());
-    let drive = |r: &nailnoise_dynamics::CycleRecord| r.events.t9.unwrap() - r.events.t6.unwrap();
+    let drive = |r: &nailnoise_dynamics::CycleRecord| r.figures.events.t9.unwrap() - r.figures.events.t6.unwrap();
     assert!(drive(&after) < drive(&before));
-    assert!(after.summary.exhaust_mass > before.summary.exhaust_mass);
+    assert!(after.figures.summary.exhaust_mass > before.figures.summary.exhaust_mass);
 }
 
 static SMALL_RUN: LazyLock<Run> = LazyLock::new(|| scaled(&small(), 1.0));
@@ -174,15 +174,15 @@ fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap();
     let d = design.exhaust.hole_diameter;
     let area = design.exhaust.coefficient(&design.chambers) * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
-    let flow = &record.exhaust;
+    let flow = record.record.opening("exhaust").unwrap();
     let (mut jets, mut cycle) = ([0.0; 2], [0.0; 2]);
-    for i in 0..flow.mass_flow.len() {
+    for (i, thrust) in record.history("thrust.force").iter().enumerate() {
         if flow.mass_flow[i] <= 0.0 {
             continue;
         }
         cycle[0] += flow.mass_flow[i];
-        cycle[1] += record.forces.thrust[i];
-        if let Some(jet) = Jet::expand(flow.plenum_pressure[i], flow.stagnation_temperature[i], &air) {
+        cycle[1] += thrust;
+        if let Some(jet) = Jet::expand(flow.pressure[i], flow.temperature[i], &air) {
             jets[0] += jet.mass_flow(area);
             jets[1] += jet.mass_flow(area) * jet.velocity;
         }

@@ -8,7 +8,6 @@ use nailnoise::sensitivity::{
     Derivative, End, OUTPUTS, Sensitivity, assembly_outputs, choose, sensitivity, sensitivity_of_assembly,
 };
 use nailnoise::stages::Progress;
-use nailnoise::stages::cycle::EngineRecord;
 use nailnoise::{Design, Error};
 use nailnoise_dynamics::network::Record;
 use nailnoise_dynamics::{CycleRecord, Outcome, Settings, simulate};
@@ -173,7 +172,7 @@ fn at_the_edge_of_what_is_allowed_differences_are_one_sided() {
     let viscous = of(&s, "mean_drive_speed", keys[0]);
     assert!(viscous.derivative < 0.0 && viscous.is_certain(), "{viscous:?}");
     let step = 0.02;
-    let drive = |key: &str, x: f64| moved(&design, key, x).summary.mean_drive_speed.unwrap();
+    let drive = |key: &str, x: f64| moved(&design, key, x).figures.summary.mean_drive_speed.unwrap();
     let [base, near, far] = [0.0, step, 2.0 * step].map(|x| drive(keys[0], x));
     let hand = (4.0 * near - far - 3.0 * base) / (2.0 * step);
     assert!(
@@ -231,10 +230,9 @@ fn shot_of(design: &Design, key: &str, value: f64) -> Record {
     let mut design = design.clone();
     let closely = ("analysis.cycle_tolerance", Value::Number(1e-10));
     design.set(&[(key, Value::Number(value)), closely]).unwrap();
-    match chain::shot(&design).unwrap().record {
-        EngineRecord::Assembly(record) => *record,
-        EngineRecord::Keys(_) => panic!("the tool of the keys"),
-    }
+    let shot = chain::shot(&design).unwrap();
+    assert!(shot.nailer.is_none(), "the tool of the keys");
+    *shot.record
 }
 
 fn of_assembly(design: &Design, names: &[&str], keys: &[&str]) -> Sensitivity {

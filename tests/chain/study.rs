@@ -102,7 +102,7 @@ fn differences(design: &Design, p: &Parameters, draw: &DrawnShot, (step, part): 
     if outcome(p, &shot) != draw.outcome.name() {
         wrong.push(format!("{name}: the reference says {}", outcome(p, &shot)));
     }
-    let events = record.map(|record| record.events.to_array());
+    let events = record.map(|record| record.figures.events.to_array());
     for (i, (a, b)) in events.into_iter().flatten().zip(shot.events).enumerate() {
         let limit = if matches!(i, 11 | 18) { LIMIT_REST } else { LIMIT };
         let agree = match (a, b) {

@@ -25,17 +25,20 @@ fn a_transducer_in_the_cylinder_reads_above_the_piston_from_t7_to_t15_and_below_
     let reading = readings.iter().find(|own| own.name == "PT-I").unwrap();
     assert_eq!(
         (reading.interval, reading.values.len()),
-        (record.sample_interval, record.len())
+        (record.sample_interval(), record.len())
     );
-    let [t7, t15] = [record.events.t7.unwrap(), record.events.t15.unwrap()];
-    let (above, below) = (&record.above_piston.pressure, &record.below_piston.pressure);
+    let [t7, t15] = [record.figures.events.t7.unwrap(), record.figures.events.t15.unwrap()];
+    let (above, below) = (
+        record.history("above_piston.pressure"),
+        record.history("below_piston.pressure"),
+    );
     let mut apart: f64 = 0.0;
     for (n, value) in reading.values.iter().enumerate() {
         let time = record.time(n);
         // The sample at the passage itself belongs to either.
         if [t7, t15]
             .iter()
-            .any(|event| (time - event).abs() <= record.sample_interval)
+            .any(|event| (time - event).abs() <= record.sample_interval())
         {
             continue;
         }
@@ -50,7 +53,7 @@ fn a_transducer_in_the_cylinder_reads_above_the_piston_from_t7_to_t15_and_below_
 fn a_transducer_in_the_return_chamber_reads_its_change_of_pressure() {
     let (readings, record) = readings();
     let reading = readings.iter().find(|own| own.name == "PT-R").unwrap();
-    let pressure = &record.return_volume.pressure;
+    let pressure = record.history("return_volume.pressure");
     let most = reading.values.iter().fold(0.0, |most: f64, value| most.max(*value));
     assert!(most > 1e4, "{most} Pa");
     for (value, p) in reading.values.iter().zip(pressure) {
@@ -85,16 +88,17 @@ fn a_transducer_in_a_volume_of_the_cycle_reads_its_change_of_pressure() {
     let readings = in_chambers("", &chambers).unwrap();
     let record = nailnoise::chain::cycle(&small("")).unwrap();
     let volumes = [
-        &record.above_piston,
-        &record.below_piston,
-        &record.return_volume,
-        &record.above_valve,
-        &record.supply,
-        &record.return_volume,
+        "above_piston",
+        "below_piston",
+        "return_volume",
+        "above_valve",
+        "supply",
+        "return_volume",
     ];
     for (reading, volume) in readings.iter().zip(volumes) {
-        for (value, p) in reading.values.iter().zip(&volume.pressure) {
-            assert!((value - (p - volume.pressure[0])).abs() < 1.0, "{}", reading.name);
+        let pressure = record.history(&format!("{volume}.pressure"));
+        for (value, p) in reading.values.iter().zip(pressure) {
+            assert!((value - (p - pressure[0])).abs() < 1.0, "{}", reading.name);
         }
     }
 }

@@ -64,7 +64,7 @@ fn every_documented_design_ends_as_its_page_says() {
                 .map_err(Error::from)
                 .and_then(|design| chain::cycle(&design));
             match record {
-                Ok(record) => assert_eq!(record.outcome.name(), expected(&block), "{place}\n{block}"),
+                Ok(record) => assert_eq!(record.figures.outcome.name(), expected(&block), "{place}\n{block}"),
                 Err(error) => {
                     let own = OF_THE_READER.iter().find(|own| block.contains(**own));
                     assert!(

@@ -21,7 +21,7 @@ const EVENTS: [f64; 18] = [
 fn events_of_the_base_design_are_those_of_the_reference() {
     let record = chain::cycle(&design("n80cb")).unwrap();
     assert!(record.is_certified());
-    for (k, (time, expected)) in record.events.to_array().iter().skip(1).zip(EVENTS).enumerate() {
+    for (k, (time, expected)) in record.figures.events.to_array().iter().skip(1).zip(EVENTS).enumerate() {
         let limit = if [2, 10, 11, 18].contains(&(k + 1)) {
             60e-6
         } else {

@@ -35,7 +35,7 @@ fn every_class_drives_its_fastener_within_the_rated_pressure_without_a_warning()
         assert!(settled.shot.head_depth >= 0.0, "{class}: {settled:?}");
         assert!(design.warnings().is_empty(), "{class}: {:?}", design.warnings());
         // The file itself drives, not only the design of the trial.
-        let outcome = chain::cycle(&design).unwrap().outcome;
+        let outcome = chain::cycle(&design).unwrap().figures.outcome;
         assert_eq!(outcome, settled.shot.outcome, "{class}");
     }
 }

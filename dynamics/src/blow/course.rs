@@ -2,7 +2,6 @@
 
 use super::input::BlowInput;
 use crate::network::Record;
-use crate::{Crossing, CycleRecord, Direction};
 
 /// Entry in the log where a fastener stops and its resistance begins to unload along another curve.
 const UNLOADS: &str = "unloads";
@@ -51,7 +50,7 @@ pub struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// The cycle of an assembly; `None` if the driver does not strike the fastener or the record has no histories.
+    /// The cycle of a record; `None` if the driver does not strike the fastener, or if histories are missing.
     pub fn of_record(input: &BlowInput, record: &'a Record) -> Option<Self> {
         let strike = record.strikes.iter().find(|own| own.fastener == input.fastener.name)?;
         let of = |block: &str, quantity: &str| record.get(&format!("{block}.{quantity}"));
@@ -83,34 +82,6 @@ impl<'a> Course<'a> {
                 Some(guide) => Some(of(guide, "velocity")?),
             },
             resistance: of(&input.fastener.name, "force")?,
-        })
-    }
-
-    /// The cycle of the tool of a design's keys; `None` if its rod does not strike the nail.
-    pub fn of_keys(record: &'a CycleRecord) -> Option<Self> {
-        let first = |crossing: Crossing, direction: Direction, from: f64| {
-            let mut log = record.log.iter().filter(|entry| entry.time >= from);
-            let entry = log.find(|entry| entry.crossing == crossing && entry.direction == direction);
-            entry.map(|entry| entry.time)
-        };
-        let strike = first(Crossing::NailDriven, Direction::Rising, 0.0)?;
-        Some(Self {
-            interval: record.sample_interval,
-            strike,
-            speed: record.summary.speed_before_impact?,
-            unloads: first(Crossing::Penetration, Direction::Falling, strike),
-            driver: DriverMotion {
-                position: &record.piston.position,
-                velocity: &record.piston.velocity,
-                acceleration: &record.piston.acceleration,
-                moving_mass: &record.motion.moving_mass,
-            },
-            work: Some(WorkMotion {
-                position: &record.workpiece.position,
-                velocity: &record.workpiece.velocity,
-            }),
-            guide: Some(&record.tool.velocity),
-            resistance: &record.forces.penetration,
         })
     }
 

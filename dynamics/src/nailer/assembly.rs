@@ -32,14 +32,15 @@ const VOLUMES: [(&str, &str); 5] = [
     ("supply", "supply-side"),
 ];
 
-/// Channels of the record in fixed fields.
-const CHANNELS: [&str; 51] = [
+/// Channels of the record.
+const CHANNELS: [&str; 60] = [
     "piston.position",
     "piston.velocity",
     "piston.acceleration",
     "piston.travel",
     "piston.moving_mass",
     "piston.speed",
+    "head_valve.travel",
     "head_valve.position",
     "head_valve.velocity",
     "head_valve.acceleration",
@@ -66,6 +67,7 @@ const CHANNELS: [&str; 51] = [
     "supply.temperature",
     "supply.mass",
     "intake.mass_flow",
+    "exhaust.mass_flow",
     "valve_lift",
     "nail.tip",
     "nail.deepest",
@@ -85,6 +87,13 @@ const CHANNELS: [&str; 51] = [
     "push.force",
     "thrust.force",
     "vent.mass_flow",
+    "piston_gas_force",
+    "valve_gas_force",
+    "exhaust_plenum_pressure",
+    "exhaust_back_pressure",
+    "exhaust_stagnation_temperature",
+    "vent_pressure",
+    "vent_temperature",
 ];
 
 /// Hole pitch of a cycle, which only sources of noise use \[m\].
@@ -92,7 +101,7 @@ const UNUSED_PITCH: f64 = 1.0;
 
 /// The nailer as an assembly, ready for a run.
 pub(super) struct Nailer<'p> {
-    parameters: &'p Parameters,
+    pub(super) parameters: &'p Parameters,
     pub(super) assembly: Assembly,
     pub(super) numerics: Numerics,
 }
@@ -126,10 +135,6 @@ impl<'p> Nailer<'p> {
             parameters.penetration_table.as_ref(),
             parameters.penetration_fit.as_ref(),
         );
-        // What follows from other histories of the record.
-        assembly.loads.clear();
-        assembly.pressures.clear();
-        assembly.openings.retain(|opening| opening.name == "exhaust");
         Ok(Self {
             parameters,
             assembly,

@@ -1,15 +1,15 @@
-//! The nailer of a design's keys: the built-in assembly `n80cb` with these values, and its record in fixed fields.
+//! The nailer of a design's keys: the built-in assembly `n80cb` with these values, and the shot in terms of the nailer.
 //!
 //! | part | module |
 //! |---|---|
 //! | limits of the model | `checks` |
 //! | assembly, and errors of a run in terms of the keys | `assembly` |
-//! | record, from channels and ledger | `record`, `summary`, `log` |
+//! | figures, from channels and ledger | `figures`, `summary`, `log` |
 
 mod assembly;
 mod checks;
+mod figures;
 mod log;
-mod record;
 mod summary;
 
 use crate::blow::BlowInput;
@@ -35,7 +35,7 @@ const NAIL: &str = "nail";
 pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
     let nailer = Nailer::new(parameters, settings)?;
     let record = network::simulate(&nailer.assembly, &nailer.numerics).map_err(|error| nailer.error(error))?;
-    record::view(parameters, record)
+    figures::cycle_record(nailer, record)
 }
 
 /// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the
@@ -57,7 +57,7 @@ pub fn simulate_on<W: Workpiece<Error: From<CycleError>>>(
         CoupledError::Run(error) => nailer.error(error).into(),
         CoupledError::Workpiece(error) => error,
     })?;
-    Ok((record::view(parameters, record)?, work))
+    Ok((figures::cycle_record(nailer, record)?, work))
 }
 
 /// Inputs of the elastic blow of the rod on the nail; `None` if the blow is rigid.

@@ -1,7 +1,13 @@
 //! Events, outcome and figures of the shot.
 
 use crate::network::Record;
-use crate::{CycleError, CycleRecord, Events, Outcome, Parameters, Summary};
+use crate::{CycleError, Events, Outcome, Parameters, Summary};
+
+/// Whether an event of the assembly is one of t0 to t18.
+pub(super) fn is_event(name: &str) -> bool {
+    name.strip_prefix('t')
+        .is_some_and(|number| number.parse::<u8>().is_ok())
+}
 
 /// Times of t0 to t18.
 pub(super) fn events(record: &Record) -> Events {
@@ -38,10 +44,9 @@ pub(super) fn outcome(record: &Record) -> Result<Outcome, CycleError> {
     })
 }
 
-/// Figures of the shot; `view` contains its histories and events.
-pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Summary {
-    let events = &view.events;
-    let penetration = view.motion.nail_depth.last().copied().unwrap_or(0.0);
+/// Figures of the shot with these events.
+pub(super) fn summary(p: &Parameters, record: &Record, events: &Events) -> Summary {
+    let penetration = record.history("nail.deepest").last().copied().unwrap_or(0.0);
     let full = record.event("full_depth");
     let strike = record.strikes.first();
     let peak = |block: &str| record.peak(block).unwrap_or(0.0);
@@ -55,7 +60,8 @@ pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Su
     let mass = |name: &str| record.integral(name).unwrap_or(0.0);
     let critical = p.ambient.critical_ratio();
     let part = |window: Option<(f64, f64)>, height: &dyn Fn(usize) -> f64| {
-        window.map(|(from, to)| part_above([from, to], view.sample_interval, view.len(), height))
+        let interval = record.interval?;
+        window.map(|(from, to)| part_above([from, to], interval, record.len(), height))
     };
     // The intake is open from t3 until it closes again or the record ends.
     let shut = |t3: f64| {
@@ -66,7 +72,9 @@ pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Su
         .t3
         .map(|t3| (t3, shut(t3).map_or(record.end, |change| change.time)));
     let exhaust = events.t13.zip(events.t17);
-    let holes = &view.exhaust;
+    let pressure = |volume: &str| record.history(&format!("{volume}.pressure"));
+    let [above, supply] = ["above_piston", "supply"].map(pressure);
+    let holes = record.opening("exhaust");
     Summary {
         speed_before_impact: strike.map(|strike| strike.before),
         speed_after_impact: strike.map(|strike| strike.after),
@@ -85,15 +93,10 @@ pub(super) fn summary(p: &Parameters, record: &Record, view: &CycleRecord) -> Su
         vent_mass: mass("mass.vent"),
         leak_mass: mass("mass.leak"),
         supply_mass: mass("mass.refill"),
-        intake_choked_fraction: part(intake, &|n| {
-            critical * view.supply.pressure[n] - view.above_piston.pressure[n]
-        }),
-        exhaust_chamber_choked_fraction: part(exhaust, &|n| {
-            critical * view.above_piston.pressure[n] - p.ambient.pressure
-        }),
-        exhaust_choked_fraction: part(exhaust, &|n| {
-            critical * holes.plenum_pressure[n] - holes.back_pressure[n]
-        }),
+        intake_choked_fraction: part(intake, &|n| critical * supply[n] - above[n]),
+        exhaust_chamber_choked_fraction: part(exhaust, &|n| critical * above[n] - p.ambient.pressure),
+        exhaust_choked_fraction: holes
+            .and_then(|holes| part(exhaust, &|n| critical * holes.pressure[n] - holes.back_pressure[n])),
         cap_contacts: closings("cap"),
         seat_contacts: closings("seat"),
     }

@@ -215,10 +215,29 @@ impl Record {
         self.index.get(name).map(|i| &self.channels[*i].values[..])
     }
 
-    /// Moves the history of a quantity out of the record; it is then absent.
-    pub(crate) fn take(&mut self, name: &str) -> Option<Vec<f64>> {
-        let place = self.index.remove(name)?;
-        Some(std::mem::take(&mut self.channels[place].values))
+    /// History of a quantity by its name; empty for a block that the assembly switches off or does not have.
+    pub fn history(&self, name: &str) -> &[f64] {
+        self.get(name).unwrap_or_default()
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.channels.first().map_or(0, |channel| channel.values.len())
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Time of sample `index` \[s\].
+    pub fn time(&self, index: usize) -> f64 {
+        index as f64 * self.interval.unwrap_or_default()
+    }
+
+    /// Flow through the opening with this name.
+    pub fn opening(&self, name: &str) -> Option<&FlowHistory> {
+        self.openings.iter().find(|opening| opening.name == name)
     }
 
     /// Time of an event by its name; none if it did not happen or is not defined.

@@ -242,16 +242,18 @@ impl Recorder {
         Ok(())
     }
 
-    /// Columns under names of their own, which win over those of other channels. A tool that records some channels
-    /// only has columns of its own.
+    /// Columns under names of their own, which win over those of other channels.
     fn describe_columns(&mut self, plan: &Plan) -> Result<(), RunError> {
-        if self.wanted.is_some() {
-            return Ok(());
-        }
         for column in &plan.assembly.columns {
             let named = self.columns.iter().position(|own| own.name == column.channel);
             let at = match named {
                 Some(at) => at,
+                None if self
+                    .wanted
+                    .is_some_and(|wanted| !wanted.contains(&column.name.as_str())) =>
+                {
+                    continue;
+                }
                 None => {
                     let source = match &column.value {
                         ColumnValue::Expression(value) => {
@@ -336,8 +338,10 @@ impl Recorder {
                     (self.place(gas(*above)), Some([below, at]))
                 }
                 PressurePatch::Plenum(passage) => {
+                    let opening = a.openings.iter().find(|opening| opening.passage == *passage);
                     let last = plan.passages[*passage].restrictions.len() - 1;
-                    (self.place(Source::Probe(Probe::Before(*passage, last))), None)
+                    let restriction = opening.map_or(last, |opening| opening.restriction);
+                    (self.place(Source::Probe(Probe::Before(*passage, restriction))), None)
                 }
             };
             self.pressures.push(SurfacePlace {

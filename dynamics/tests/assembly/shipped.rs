@@ -88,7 +88,7 @@ fn the_published_variant_equals_the_published_forms_of_the_keys() {
     };
     let variant = simulate(&resolved.assembly, &numerics).unwrap();
     let forms = nailnoise_dynamics::simulate(&parameters.published_all(), &settings).unwrap();
-    for (number, expected) in forms.events.to_array().into_iter().enumerate() {
+    for (number, expected) in forms.figures.events.to_array().into_iter().enumerate() {
         let found = variant.event(&format!("t{number}"));
         assert_eq!(found.is_some(), expected.is_some(), "t{number}");
         let apart = found
@@ -97,7 +97,7 @@ fn the_published_variant_equals_the_published_forms_of_the_keys() {
         // The error of the integration.
         assert!(apart < 1e-7, "t{number}: {apart:e} s");
     }
-    assert_eq!(variant.outcome.as_deref(), Some(forms.outcome.name()));
+    assert_eq!(variant.outcome.as_deref(), Some(forms.figures.outcome.name()));
 }
 
 /// Strike, bumper, stop and lift of the prototype \[ms\], and its speed at the strike \[m/s\].

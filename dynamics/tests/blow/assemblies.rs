@@ -68,7 +68,7 @@ fn the_text_of_the_n80cb_has_the_blow_of_its_keys() {
     let of_keys = {
         let record = simulate_keys(&parameters, &settings).unwrap();
         let input = nailnoise_dynamics::blow_input(&parameters).unwrap().unwrap();
-        elastic_blow(&input, &Course::of_keys(&record).unwrap()).unwrap()
+        elastic_blow(&input, &Course::of_record(&input, &record.record).unwrap()).unwrap()
     };
     let assembly = n80cb_assembly(&parameters, settings.end, settings.tail);
     let record = record(&assembly, settings.sample_interval);

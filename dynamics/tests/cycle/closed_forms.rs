@@ -66,12 +66,12 @@ fn a_vessel_blows_down_through_a_choked_hole() {
     follows_the_tolerance(5e-6, |method, tolerance| {
         let r = run(&p, method, tolerance, 0.03);
         let worst = (0..r.len())
-            .map(|i| (r.time(i) - geometry.channel_delay, r.above_valve.pressure[i]))
+            .map(|i| (r.time(i) - geometry.channel_delay, r.history("above_valve.pressure")[i]))
             .filter(|(t, found)| *t > 0.0 && critical * found > p.ambient.pressure)
             .map(|(t, found)| (found / pressure(t) - 1.0).abs())
             .fold(0.0, f64::max);
         assert!(
-            critical * r.above_valve.pressure[r.len() - 1] < p.ambient.pressure,
+            critical * r.history("above_valve.pressure")[r.len() - 1] < p.ambient.pressure,
             "not blown down"
         );
         worst
@@ -92,10 +92,10 @@ fn the_piston_compresses_a_closed_volume_along_the_adiabat() {
     follows_the_tolerance(1e-7, |method, tolerance| {
         let r = run(&p, method, tolerance, 0.03);
         let invariant = |i: usize| {
-            let volume = p.chambers.below_piston + area * (p.piston.stroke - r.motion.piston_travel[i]);
-            r.below_piston.pressure[i] * volume.powf(gamma)
+            let volume = p.chambers.below_piston + area * (p.piston.stroke - r.history("piston.travel")[i]);
+            r.history("below_piston.pressure")[i] * volume.powf(gamma)
         };
-        let compressed = r.below_piston.pressure.iter().copied().fold(0.0, f64::max);
+        let compressed = r.history("below_piston.pressure").iter().copied().fold(0.0, f64::max);
         assert!(compressed > 1.5 * p.ambient.pressure, "{compressed} Pa");
         (0..r.len())
             .map(|i| (invariant(i) / invariant(0) - 1.0).abs())
@@ -117,7 +117,7 @@ fn a_damped_contact_bounces_with_the_closed_form_of_its_restitution() {
         let r = run(&p, Method::Bdf, 1e-8, 0.018);
         let at = |direction: Direction| -> LogEntry {
             let is = |e: &&LogEntry| e.crossing == Crossing::CapContact && e.direction == direction;
-            *r.log.iter().find(is).unwrap()
+            *r.figures.log.iter().find(is).unwrap()
         };
         let (hit, left) = (at(Direction::Rising), at(Direction::Falling));
         let (valve, tool) = (p.head_valve.mass, p.tool.mass);

@@ -13,7 +13,14 @@ use crate::mass::{Mass, n80cb_block};
 /// Largest difference of the event times. Each must occur in both or in none.
 fn apart(a: &CycleRecord, b: &CycleRecord) -> (usize, f64) {
     let mut worst = (0, 0.0);
-    for (k, (a, b)) in a.events.to_array().into_iter().zip(b.events.to_array()).enumerate() {
+    for (k, (a, b)) in a
+        .figures
+        .events
+        .to_array()
+        .into_iter()
+        .zip(b.figures.events.to_array())
+        .enumerate()
+    {
         assert_eq!(a.is_some(), b.is_some(), "t{k}");
         let difference = a.zip(b).map_or(0.0, |(a, b)| (a - b).abs());
         if difference > worst.1 {
@@ -36,16 +43,16 @@ fn an_external_mass_on_a_spring_gives_the_lumped_cycle() {
     let coupled = &COUPLED.0;
     let (event, difference) = apart(&BASE, coupled);
     assert!(difference < 2e-6, "t{event} is {difference:e} s off");
-    assert!(coupled.is_certified(), "{:?}", coupled.checks);
-    let depths = (BASE.summary.penetration, coupled.summary.penetration);
+    assert!(coupled.is_certified(), "{:?}", coupled.figures.checks);
+    let depths = (BASE.figures.summary.penetration, coupled.figures.summary.penetration);
     assert!((depths.0 - depths.1).abs() < 2e-7, "{depths:?}");
-    assert_eq!(BASE.outcome, coupled.outcome);
+    assert_eq!(BASE.figures.outcome, coupled.figures.outcome);
 }
 
 #[test]
 fn the_work_of_the_cycle_is_the_work_that_the_external_mass_receives() {
     let (coupled, _, received) = &*COUPLED;
-    let done = coupled.energy.wood;
+    let done = coupled.figures.energy.wood;
     assert!((done - received).abs() < 1e-4 * received, "{done} {received} J");
 }
 
@@ -73,7 +80,7 @@ fn a_quarter_of_the_step_reduces_the_error_to_less_than_a_quarter() {
         let mut mass: Mass<CycleError> = n80cb_block(&parameters, sample_interval);
         let (coupled, _) = simulate_on(&parameters, &settings, &mut mass).unwrap();
         // The end of the drive; later events depend on rebounds.
-        let (a, b) = (lumped.events.to_array(), coupled.events.to_array());
+        let (a, b) = (lumped.figures.events.to_array(), coupled.figures.events.to_array());
         (a[9].unwrap() - b[9].unwrap()).abs()
     };
     let (coarse, fine) = (distance(32e-6), distance(8e-6));

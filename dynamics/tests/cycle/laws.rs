@@ -33,11 +33,11 @@ fn more_supply_pressure_drives_faster_and_exhausts_more() {
     let mut p = n80cb();
     p.supply.pressure *= 1.1;
     let (low, high) = (&*BASE, run(&p));
-    let drive = |r: &CycleRecord| r.events.t9.unwrap() - r.events.t6.unwrap();
+    let drive = |r: &CycleRecord| r.figures.events.t9.unwrap() - r.figures.events.t6.unwrap();
     assert!(drive(&high) < drive(low));
-    assert!(high.summary.exhaust_mass > low.summary.exhaust_mass);
+    assert!(high.figures.summary.exhaust_mass > low.figures.summary.exhaust_mass);
     // The nail is overdriven, which breaks no balance.
-    let failed: Vec<&str> = high.checks.iter().filter(|c| !c.ok).map(|c| &*c.name).collect();
+    let failed: Vec<&str> = high.figures.checks.iter().filter(|c| !c.ok).map(|c| &*c.name).collect();
     assert_eq!(failed, ["head of the nail below the surface [m]"]);
 }
 
@@ -49,11 +49,11 @@ fn a_shorter_and_thinner_nail_waits_with_its_head_at_the_same_height_and_is_over
     assert!((geometry.head_gap - base.head_gap).abs() < 1e-12);
     assert!((geometry.tip_gap - base.tip_gap - (0.08255 - 0.065)).abs() < 1e-12);
     let r = run(&p);
-    assert_eq!(r.outcome, Outcome::Overdriven);
+    assert_eq!(r.figures.outcome, Outcome::Overdriven);
     // The bumper stops the piston: the head is at most as deep as the rod protrudes, and its overtravel on the bumper.
-    let overtravel = r.motion.piston_travel.iter().fold(0.0, |a: f64, b| a.max(*b)) - p.piston.stroke;
-    assert!(r.summary.head_depth > p.nail.overdrive_limit);
-    assert!(r.summary.head_depth < p.piston.rod_protrusion + overtravel);
+    let overtravel = r.history("piston.travel").iter().fold(0.0, |a: f64, b| a.max(*b)) - p.piston.stroke;
+    assert!(r.figures.summary.head_depth > p.nail.overdrive_limit);
+    assert!(r.figures.summary.head_depth < p.piston.rod_protrusion + overtravel);
 }
 
 #[test]
@@ -68,32 +68,32 @@ fn b13_without_air_nothing_moves() {
         },
     )
     .unwrap();
-    assert_eq!(r.outcome, Outcome::DoesNotOpen);
-    for body in [&r.piston, &r.head_valve, &r.tool, &r.workpiece] {
-        let start = body.position[0];
-        assert!(body.position.iter().all(|y| (y - start).abs() < 5e-6));
+    assert_eq!(r.figures.outcome, Outcome::DoesNotOpen);
+    for body in ["piston", "head_valve", "tool", "workpiece"] {
+        let position = r.history(&format!("{body}.position"));
+        assert!(position.iter().all(|y| (y - position[0]).abs() < 5e-6));
     }
-    assert!(r.is_certified(), "{:?}", r.checks);
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
 }
 
 #[test]
 fn every_outcome_occurs() {
-    assert_eq!(BASE.outcome, Outcome::Drives);
+    assert_eq!(BASE.figures.outcome, Outcome::Drives);
     let mut soft = n80cb();
     soft.wood.hardness_modulus *= 0.9;
-    assert_eq!(run(&soft).outcome, Outcome::Overdriven);
+    assert_eq!(run(&soft).figures.outcome, Outcome::Overdriven);
     soft.nail.overdrive_limit = 0.02;
-    assert_eq!(run(&soft).outcome, Outcome::StrikesBumper);
+    assert_eq!(run(&soft).figures.outcome, Outcome::StrikesBumper);
     let mut hard = n80cb();
     hard.wood.hardness_modulus *= 1.3;
-    assert_eq!(run(&hard).outcome, Outcome::Underdriven);
+    assert_eq!(run(&hard).figures.outcome, Outcome::Underdriven);
     let mut stuck = n80cb();
     stuck.head_valve.seat_diameter = 0.0655;
-    assert_eq!(run(&stuck).outcome, Outcome::DoesNotOpen);
+    assert_eq!(run(&stuck).figures.outcome, Outcome::DoesNotOpen);
     let mut heavy = n80cb();
     heavy.hand.force = 1500.0;
     heavy.nail.overdrive_limit = 0.05;
-    assert_eq!(run(&heavy).outcome, Outcome::DoesNotRelease);
+    assert_eq!(run(&heavy).figures.outcome, Outcome::DoesNotRelease);
 }
 
 #[test]
@@ -112,12 +112,12 @@ fn moderate_changes_keep_the_order_of_the_events_and_the_drive_speed() {
         let mut p = n80cb();
         change(&mut p);
         let r = run(&p);
-        assert_eq!(r.outcome, Outcome::Drives, "{i}");
-        let speed = r.summary.mean_drive_speed.unwrap();
+        assert_eq!(r.figures.outcome, Outcome::Drives, "{i}");
+        let speed = r.figures.summary.mean_drive_speed.unwrap();
         assert!((20.0..22.3).contains(&speed), "{i}: {speed}");
-        let times: Vec<f64> = r.events.to_array().into_iter().flatten().collect();
+        let times: Vec<f64> = r.figures.events.to_array().into_iter().flatten().collect();
         assert!(times.windows(2).all(|w| w[0] <= w[1]), "{i}: {times:?}");
-        assert!(r.is_certified(), "{i}: {:?}", r.checks);
+        assert!(r.is_certified(), "{i}: {:?}", r.figures.checks);
     }
 }
 
@@ -127,8 +127,8 @@ fn a_sandbox_support_is_given_by_stiffness_and_dashpot() {
     p.support.stiffness = 1.76e7;
     p.support.damping = SupportDamping::Coefficient(2.8e5 * 0.4064 * 0.1524);
     let r = run(&p);
-    assert_eq!(r.outcome, Outcome::Drives);
-    assert!(r.is_certified(), "{:?}", r.checks);
+    assert_eq!(r.figures.outcome, Outcome::Drives);
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
 }
 
 fn refused(change: impl Fn(&mut Parameters)) -> CycleError {

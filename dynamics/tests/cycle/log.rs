@@ -8,7 +8,7 @@ use crate::common::n80cb;
 use crate::{BASE, run};
 
 fn of(crossing: Crossing) -> impl Iterator<Item = &'static LogEntry> {
-    BASE.log.iter().filter(move |e| e.crossing == crossing)
+    BASE.figures.log.iter().filter(move |e| e.crossing == crossing)
 }
 
 fn first(crossing: Crossing, direction: Direction, after: f64) -> Option<f64> {
@@ -19,7 +19,7 @@ fn first(crossing: Crossing, direction: Direction, after: f64) -> Option<f64> {
 
 #[test]
 fn entries_are_in_order_and_alternate() {
-    let log = &BASE.log;
+    let log = &BASE.figures.log;
     assert!(log.windows(2).all(|pair| pair[0].time <= pair[1].time));
     let mut last = HashMap::new();
     for entry in log {
@@ -33,7 +33,7 @@ fn entries_are_in_order_and_alternate() {
 fn every_event_is_a_logged_crossing() {
     use Crossing as C;
     use Direction::{Falling, Rising};
-    let e = &BASE.events;
+    let e = &BASE.figures.events;
     let (t6, t9, t12) = (e.t6.unwrap(), e.t9.unwrap(), e.t12.unwrap());
     let expected = [
         (e.t0, first(C::Trigger, Rising, 0.0)),
@@ -70,7 +70,7 @@ fn every_event_is_a_logged_crossing() {
 #[test]
 fn the_trigger_reaches_the_valve_one_delay_later() {
     let delay = nailnoise_dynamics::Geometry::new(&n80cb()).channel_delay;
-    let e = &BASE.events;
+    let e = &BASE.figures.events;
     let close = |a: Option<f64>, b: f64| assert!((a.unwrap() - b).abs() < 1e-12, "{a:?} {b}");
     close(first(Crossing::Vent, Direction::Rising, 0.0), delay);
     close(first(Crossing::Vent, Direction::Falling, 0.0), e.t12.unwrap() + delay);
@@ -80,8 +80,8 @@ fn the_trigger_reaches_the_valve_one_delay_later() {
 #[test]
 fn logged_states_lie_between_the_samples_of_the_record() {
     let r = &*BASE;
-    for entry in &r.log {
-        let i = (entry.time / r.sample_interval).floor() as usize;
+    for entry in &r.figures.log {
+        let i = (entry.time / r.sample_interval()).floor() as usize;
         // Samples on either side bound smooth quantities to within their change over one interval.
         let Some(j) = Some(i + 1).filter(|j| *j < r.len()) else {
             continue;
@@ -93,18 +93,18 @@ fn logged_states_lie_between_the_samples_of_the_record() {
                 "{entry:?} {name}: {low} {value} {high}"
             );
         };
-        between("travel", &r.motion.piston_travel, entry.state.piston_travel, 1e-7);
-        between("lift", &r.motion.valve_lift, entry.state.valve_lift, 1e-6);
-        between("P_1", &r.above_piston.pressure, entry.state.pressures[0], 5.0);
-        between("P_ext", &r.supply.pressure, entry.state.pressures[4], 5.0);
+        between("travel", r.history("piston.travel"), entry.state.piston_travel, 1e-7);
+        between("lift", r.history("valve_lift"), entry.state.valve_lift, 1e-6);
+        between("P_1", r.history("above_piston.pressure"), entry.state.pressures[0], 5.0);
+        between("P_ext", r.history("supply.pressure"), entry.state.pressures[4], 5.0);
     }
 }
 
 #[test]
 fn the_log_and_the_summary_count_the_same_contacts() {
     let count = |crossing| of(crossing).filter(|e| e.is_rising()).count();
-    assert_eq!(count(Crossing::CapContact), BASE.summary.cap_contacts);
-    assert_eq!(count(Crossing::SeatContact), BASE.summary.seat_contacts);
+    assert_eq!(count(Crossing::CapContact), BASE.figures.summary.cap_contacts);
+    assert_eq!(count(Crossing::SeatContact), BASE.figures.summary.seat_contacts);
     assert_eq!((count(Crossing::NailDriven), count(Crossing::NoseContact)), (1, 0));
 }
 
@@ -112,13 +112,13 @@ fn the_log_and_the_summary_count_the_same_contacts() {
 fn contact_forces_begin_and_end_at_the_logged_times() {
     let r = &*BASE;
     for (crossing, force) in [
-        (Crossing::BumperContact, &r.forces.bumper),
-        (Crossing::StopperContact, &r.forces.stopper),
-        (Crossing::CapContact, &r.forces.cap),
-        (Crossing::SeatContact, &r.forces.seat),
+        (Crossing::BumperContact, r.history("bumper.force")),
+        (Crossing::StopperContact, r.history("stopper.force")),
+        (Crossing::CapContact, r.history("cap.force")),
+        (Crossing::SeatContact, r.history("seat.force")),
     ] {
         for entry in of(crossing) {
-            let i = (entry.time / r.sample_interval) as usize;
+            let i = (entry.time / r.sample_interval()) as usize;
             let (before, after) = (force[i - 1].abs() > 0.0, force[i + 2].abs() > 0.0);
             assert_eq!((before, after), (!entry.is_rising(), entry.is_rising()), "{entry:?}");
         }
@@ -132,11 +132,12 @@ fn the_exhaust_is_choked_between_the_logged_times() {
         first(Crossing::HolesChoked, Direction::Rising, 0.0).unwrap(),
         first(Crossing::HolesChoked, Direction::Falling, 0.0).unwrap(),
     );
-    for i in 0..r.len() {
-        assert_eq!(r.exhaust.choked[i], r.time(i) >= from && r.time(i) < to, "{i}");
+    let choked = &r.record.opening("exhaust").unwrap().choked;
+    for (i, choked) in choked.iter().enumerate() {
+        assert_eq!(*choked, r.time(i) >= from && r.time(i) < to, "{i}");
     }
-    let share = (to - from) / (r.events.t17.unwrap() - r.events.t13.unwrap());
-    assert!((share - r.summary.exhaust_choked_fraction.unwrap()).abs() < 5e-4);
+    let share = (to - from) / (r.figures.events.t17.unwrap() - r.figures.events.t13.unwrap());
+    assert!((share - r.figures.summary.exhaust_choked_fraction.unwrap()).abs() < 5e-4);
 }
 
 #[test]
@@ -168,7 +169,7 @@ fn chatter_ends_the_run_with_an_error_that_names_the_contact() {
                 assert!(count > 1000 && window <= 1e-3);
                 contact
             }
-            other => panic!("{:?}", other.map(|r| r.outcome)),
+            other => panic!("{:?}", other.map(|r| r.figures.outcome)),
         }
     };
     // A seat as hard as no solid is and without damping: bounces follow each other within nanoseconds.
@@ -186,12 +187,17 @@ fn the_printed_cap_stiffness_does_not_chatter_and_gives_the_force_of_a_damped_bo
     let mut printed = n80cb();
     printed.contacts.cap_stiffness = 1.1e11;
     let r = run(&printed);
-    let hit = r.log.iter().find(|e| e.crossing == Crossing::CapContact).unwrap();
+    let hit = r
+        .figures
+        .log
+        .iter()
+        .find(|e| e.crossing == Crossing::CapContact)
+        .unwrap();
     let zeta = printed.contacts.valve_damping_ratio;
     let root = (1.0 - zeta * zeta).sqrt();
     let phase = (root * (1.0 - 4.0 * zeta * zeta) / (zeta * (3.0 - 4.0 * zeta * zeta))).atan();
     let peak = hit.state.valve_velocity * (1.1e11 * printed.head_valve.mass).sqrt() * (-zeta * phase / root).exp();
-    let found = r.summary.peak_cap_force;
+    let found = r.figures.summary.peak_cap_force;
     assert!(
         r.is_certified() && (found / peak - 1.0).abs() < 0.02,
         "{found} N, {peak} N"
@@ -207,7 +213,7 @@ fn the_number_of_bounces_does_not_depend_on_the_stiffness_of_a_hard_cap() {
         p.contacts.valve_damping_ratio = 0.0;
         let r = run(&p);
         assert!(r.is_certified());
-        (r.summary.cap_contacts, r.summary.seat_contacts)
+        (r.figures.summary.cap_contacts, r.figures.summary.seat_contacts)
     };
     let hard = closings(1e14);
     assert_eq!([1e16, 1e18, 1e20].map(closings), [hard; 3]);
@@ -226,7 +232,7 @@ fn a_contact_that_grazes_opens_once() {
             end: 0.02,
             ..Settings::default()
         };
-        simulate(&p, &settings).unwrap().summary.cap_contacts
+        simulate(&p, &settings).unwrap().figures.summary.cap_contacts
     };
     let counts = [1e-7, 1e-8, 1e-9].map(closings);
     assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");

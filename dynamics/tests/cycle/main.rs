@@ -38,13 +38,15 @@ fn run(p: &Parameters) -> CycleRecord {
 fn internal_forces_cancel(p: &Parameters, r: &CycleRecord) {
     let masses = [p.head_valve.mass, p.tool.mass, Geometry::new(p).workpiece_mass];
     for i in 0..r.len() {
-        let moving = r.motion.moving_mass[i];
-        let inertia = moving * r.piston.acceleration[i]
-            + masses[0] * r.head_valve.acceleration[i]
-            + masses[1] * r.tool.acceleration[i]
-            + masses[2] * r.workpiece.acceleration[i];
+        let moving = r.history("piston.moving_mass")[i];
+        let inertia = moving * r.history("piston.acceleration")[i]
+            + masses[0] * r.history("head_valve.acceleration")[i]
+            + masses[1] * r.history("tool.acceleration")[i]
+            + masses[2] * r.history("workpiece.acceleration")[i];
+        // Without a share of the jets along the axis, the thrust is switched off.
+        let thrust = r.history("thrust.force").get(i).copied().unwrap_or(0.0);
         let weight = (moving + masses.iter().sum::<f64>()) * p.ambient.gravity;
-        let outer = r.forces.hand[i] + r.forces.thrust[i] - r.forces.support[i] + weight;
+        let outer = r.history("hand.force")[i] + thrust - r.history("support.force")[i] + weight;
         assert!((inertia - outer).abs() < 1e-6, "sample {i}: {inertia} N, {outer} N");
     }
 }

@@ -23,21 +23,29 @@ fn options_are_off_in_the_base_design() {
         ),
         (0.0, 0.0, 0.0, 0.0)
     );
-    assert!(r.forces.hand.iter().all(|f| *f == p.hand.force));
-    assert!(r.forces.magazine.iter().chain(&r.forces.thrust).all(|f| *f == 0.0));
+    assert!(r.history("hand.force").iter().all(|f| *f == p.hand.force));
+    assert!(
+        r.history("nail.guide_force")
+            .iter()
+            .chain(r.history("thrust.force"))
+            .all(|f| *f == 0.0)
+    );
 }
 
 #[test]
 fn a_hand_with_mass_lowers_the_rise_of_the_tool() {
     let p = with_hand(1.5);
     let r = run(&p);
-    assert!(r.is_certified(), "{:?}", r.checks);
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
     internal_forces_cancel(&p, &r);
     // In equilibrium before the shot the hand pushes with its constant force.
-    assert!((r.forces.hand[0] - p.hand.force).abs() < 1e-9);
-    let rise = |r: &CycleRecord| r.tool.position[0] - r.tool.position.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((r.history("hand.force")[0] - p.hand.force).abs() < 1e-9);
+    let rise = |r: &CycleRecord| {
+        let position = r.history("tool.position");
+        position[0] - position.iter().copied().fold(f64::INFINITY, f64::min)
+    };
     assert!(rise(&r) < 0.9 * rise(&BASE), "{} {}", rise(&r), rise(&BASE));
-    assert!(r.energy.hand_damping > 0.1);
+    assert!(r.figures.energy.hand_damping > 0.1);
 }
 
 #[test]
@@ -51,7 +59,10 @@ fn a_hand_on_a_stiff_spring_is_part_of_the_tool() {
     heavy.hand.force -= 0.5 * heavy.ambient.gravity;
     // The nose's damping is a ratio of the tool's mass.
     heavy.contacts.nose_damping_ratio *= (4.1f64 / 4.6).sqrt();
-    let (a, b) = (run(&held).events.to_array(), run(&heavy).events.to_array());
+    let (a, b) = (
+        run(&held).figures.events.to_array(),
+        run(&heavy).figures.events.to_array(),
+    );
     for (i, (a, b)) in a.iter().zip(b).enumerate() {
         let apart = (a.unwrap() - b.unwrap()).abs();
         assert!(apart < if i == 11 || i == 18 { 1e-4 } else { 2e-5 }, "t{i}: {apart} s");
@@ -69,24 +80,34 @@ fn low_recoil() -> Parameters {
 #[test]
 fn a_tool_that_hardly_recoils_ends_its_cycle_when_the_operator_lets_go() {
     let never = run(&low_recoil());
-    assert_eq!(never.outcome, Outcome::DoesNotRelease);
-    assert_eq!((never.events.t12, never.events.t13), (None, None));
+    assert_eq!(never.figures.outcome, Outcome::DoesNotRelease);
+    assert_eq!((never.figures.events.t12, never.figures.events.t13), (None, None));
     let mut p = low_recoil();
     p.trigger.release_after = 0.035;
     let r = run(&p);
-    assert!(r.is_certified(), "{:?}", r.checks);
-    assert_eq!((r.outcome, r.events.t12), (Outcome::Drives, Some(0.035)));
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
+    assert_eq!(
+        (r.figures.outcome, r.figures.events.t12),
+        (Outcome::Drives, Some(0.035))
+    );
     // The channel carries the release to the head valve with the speed of sound, before the exhaust can open.
-    let fills = r.log.iter().find(|entry| entry.crossing == Crossing::Fill).unwrap();
+    let fills = r
+        .figures
+        .log
+        .iter()
+        .find(|entry| entry.crossing == Crossing::Fill)
+        .unwrap();
     assert!(
         (fills.time - 0.035 - Geometry::new(&p).channel_delay).abs() < 1e-12,
         "{}",
         fills.time
     );
-    assert!(r.events.t13.unwrap() > fills.time && r.events.t18.unwrap() > r.events.t13.unwrap());
-    assert!(r.summary.exhaust_mass > 0.5 * BASE.summary.exhaust_mass);
+    assert!(
+        r.figures.events.t13.unwrap() > fills.time && r.figures.events.t18.unwrap() > r.figures.events.t13.unwrap()
+    );
+    assert!(r.figures.summary.exhaust_mass > 0.5 * BASE.figures.summary.exhaust_mass);
     // Nothing differs before the release.
-    let until = |r: &CycleRecord| r.piston.position[..(0.034 / r.sample_interval) as usize].to_vec();
+    let until = |r: &CycleRecord| r.history("piston.position")[..(0.034 / r.sample_interval()) as usize].to_vec();
     let apart = until(&r)
         .iter()
         .zip(until(&never))
@@ -99,9 +120,10 @@ fn a_trigger_that_the_rising_tool_has_released_is_not_released_again() {
     let mut p = n80cb();
     p.trigger.release_after = 0.06;
     let r = run(&p);
-    assert!(BASE.events.t12.unwrap() < 0.06);
-    assert_eq!(r.events, BASE.events);
+    assert!(BASE.figures.events.t12.unwrap() < 0.06);
+    assert_eq!(r.figures.events, BASE.figures.events);
     let releases = r
+        .figures
         .log
         .iter()
         .filter(|entry| entry.crossing == Crossing::Trigger && !entry.is_rising());
@@ -117,14 +139,14 @@ fn an_exhaust_that_has_not_opened_when_the_record_ends_is_an_outcome() {
         ..Settings::default()
     };
     let r = simulate(&p, &settings).unwrap();
-    assert_eq!(r.outcome, Outcome::DoesNotExhaust);
+    assert_eq!(r.figures.outcome, Outcome::DoesNotExhaust);
 }
 
 #[test]
 fn a_light_hand_is_a_force() {
     let mut p = with_hand(1e-3);
     p.hand.damping = 1.0;
-    let (a, b) = (run(&p).events.to_array(), BASE.events.to_array());
+    let (a, b) = (run(&p).figures.events.to_array(), BASE.figures.events.to_array());
     for (i, (a, b)) in a.iter().zip(b).enumerate() {
         let apart = (a.unwrap() - b.unwrap()).abs();
         assert!(apart < 1e-4, "t{i}: {apart} s");
@@ -136,13 +158,13 @@ fn friction_in_the_magazine_slows_the_nail() {
     let mut p = n80cb();
     p.nail.magazine_friction = 20.0;
     let r = run(&p);
-    assert!(r.is_certified(), "{:?}", r.checks);
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
     internal_forces_cancel(&p, &r);
-    assert!(r.summary.mean_drive_speed < BASE.summary.mean_drive_speed);
+    assert!(r.figures.summary.mean_drive_speed < BASE.figures.summary.mean_drive_speed);
     // The constant force over the travel with the nail.
-    let at = |t: f64| r.motion.piston_travel[(t / r.sample_interval).round() as usize];
-    let travel = at(r.events.t9.unwrap()) - at(r.events.t5.unwrap());
-    let friction = r.energy.magazine_friction;
+    let at = |t: f64| r.history("piston.travel")[(t / r.sample_interval()).round() as usize];
+    let travel = at(r.figures.events.t9.unwrap()) - at(r.figures.events.t5.unwrap());
+    let friction = r.figures.energy.magazine_friction;
     assert!(
         (friction / (20.0 * travel) - 1.0).abs() < 5e-3,
         "{friction} J over {travel} m"
@@ -154,8 +176,8 @@ fn friction_in_the_magazine_acts_only_while_the_rod_drives_the_nail() {
     let mut p = n80cb();
     p.nail.magazine_friction = 20.0;
     let r = run(&p);
-    let driven = |i: usize| r.motion.moving_mass[i] > p.piston.mass;
-    assert!((0..r.len()).all(|i| driven(i) || r.forces.magazine[i] == 0.0));
+    let driven = |i: usize| r.history("piston.moving_mass")[i] > p.piston.mass;
+    assert!((0..r.len()).all(|i| driven(i) || r.history("nail.guide_force")[i] == 0.0));
 }
 
 #[test]
@@ -163,20 +185,21 @@ fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
     let mut p = n80cb();
     p.exhaust.thrust_share = -0.5;
     let r = run(&p);
-    assert!(r.is_certified(), "{:?}", r.checks);
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
     internal_forces_cancel(&p, &r);
     let g: f64 = p.ambient.heat_capacity_ratio;
     let (rg, pa) = (p.ambient.gas_constant, p.ambient.pressure);
     let area = p.exhaust.coefficient(&p.chambers) * Geometry::new(&p).exhaust_area;
     let critical = (2.0 / (g + 1.0)).powf(g / (g - 1.0));
     let mut tried = [0; 2];
-    for i in (0..r.len()).filter(|i| r.exhaust.plenum_pressure[*i] > 1.01 * pa && r.exhaust.mass_flow[*i] > 0.0) {
+    let [plenum, flow] = ["exhaust_plenum_pressure", "exhaust.mass_flow"].map(|name| r.history(name));
+    for i in (0..r.len()).filter(|i| plenum[*i] > 1.01 * pa && flow[*i] > 0.0) {
         // mdot U + (P_e - P_a) A, from the recorded flow.
-        let (pm, t) = (r.exhaust.plenum_pressure[i], r.exhaust.stagnation_temperature[i]);
+        let (pm, t) = (plenum[i], r.history("exhaust_stagnation_temperature")[i]);
         let exit = pa.max(critical * pm);
         let speed = (2.0 * g / (g - 1.0) * rg * t * (1.0 - (exit / pm).powf((g - 1.0) / g))).sqrt();
-        let thrust = r.exhaust.mass_flow[i] * speed + (exit - pa) * area;
-        let found = -2.0 * r.forces.thrust[i];
+        let thrust = flow[i] * speed + (exit - pa) * area;
+        let found = -2.0 * r.history("thrust.force")[i];
         assert!((found / thrust - 1.0).abs() < 1e-9, "sample {i}: {found} N, {thrust} N");
         tried[usize::from(exit > pa)] += 1;
     }
@@ -188,7 +211,7 @@ fn upward_thrust_lifts_the_tool() {
     let mut p = n80cb();
     p.exhaust.thrust_share = -0.5;
     let r = run(&p);
-    let lifted = |r: &CycleRecord| r.tool.position[r.len() - 1];
+    let lifted = |r: &CycleRecord| r.history("tool.position")[r.len() - 1];
     assert!(lifted(&r) < lifted(&BASE));
 }
 
@@ -222,22 +245,23 @@ fn a_nail_in_a_groove_meets_the_wood_later_by_the_depth_of_the_groove() {
     p.workpiece.groove = 6.35e-3;
     let r = run(&p);
     let travel = |r: &CycleRecord| {
-        let at = r.events.to_array()[6].unwrap() / r.sample_interval;
+        let at = r.figures.events.to_array()[6].unwrap() / r.sample_interval();
         let (before, part) = (at as usize, at.fract());
         // The tool rises during the drive: in the frame of the wood the piston has moved less than in that of the tool.
-        let down = |k: usize| r.motion.piston_travel[k] + r.tool.position[k] - r.workpiece.position[k];
+        let names = ["piston.travel", "tool.position", "workpiece.position"];
+        let [piston, tool, workpiece] = names.map(|name| r.history(name));
+        let down = |k: usize| piston[k] + tool[k] - workpiece[k];
         down(before) + part * (down(before + 1) - down(before))
     };
     let farther = travel(&r) - travel(&BASE);
     assert!((farther - 6.35e-3).abs() < 1e-5, "{farther} m");
     // The head stops on the bottom of the groove, up to the wood's give under it.
     assert!(
-        r.motion
-            .nail_depth
+        r.history("nail.deepest")
             .iter()
             .all(|depth| *depth < p.nail.length + p.nail.overdrive_limit)
     );
-    assert!(r.is_certified(), "{:?}", r.checks);
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
 }
 
 #[test]

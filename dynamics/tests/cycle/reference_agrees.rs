@@ -31,10 +31,10 @@ fn agree_within(p: &Parameters, end: f64, limit: f64) {
         let (record, half) = (run(p, method, 1.0, end), run(p, method, 0.5, end));
         let others = [
             ("the reference", reference.events),
-            ("half the tolerance", half.events.to_array()),
+            ("half the tolerance", half.figures.events.to_array()),
         ];
         for (name, other) in others {
-            for (i, (a, b)) in record.events.to_array().into_iter().zip(other).enumerate() {
+            for (i, (a, b)) in record.figures.events.to_array().into_iter().zip(other).enumerate() {
                 match (a, b) {
                     (Some(a), Some(b)) => {
                         let limit = if matches!(i, 11 | 18) { LIMIT_REST } else { limit };
@@ -45,7 +45,7 @@ fn agree_within(p: &Parameters, end: f64, limit: f64) {
                 }
             }
         }
-        match (record.summary.full_penetration, reference.full) {
+        match (record.figures.summary.full_penetration, reference.full) {
             (Some(a), Some(b)) => assert!((a - b).abs() < 1e-6, "full depth: {a} s, reference {b} s"),
             (None, None) => {}
             other => panic!("full depth: {other:?}"),
@@ -110,7 +110,7 @@ fn the_published_variant() {
     let end = 0.120;
     let reference = reference::integrate(&p, 1e-7, end);
     let record = run(&p, Method::Switching, 0.01, end);
-    let events = record.events.to_array().into_iter().zip(reference.events);
+    let events = record.figures.events.to_array().into_iter().zip(reference.events);
     for (i, (found, expected)) in events.enumerate() {
         match (found, expected) {
             (Some(found), Some(expected)) => {

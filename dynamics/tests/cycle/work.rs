@@ -10,7 +10,7 @@ const ROUNDING: f64 = 0.01;
 
 #[test]
 fn the_integrator_needs_as_many_steps_as_before() {
-    let work = BASE.work;
+    let work = BASE.record.work;
     let frozen = [
         ("steps", work.steps, 3302),
         ("rejected", work.rejected, 605),
@@ -35,10 +35,10 @@ fn an_explicit_pair_takes_fewer_steps_where_the_equations_are_not_stiff() {
         method: Method::Bdf,
         ..Settings::default()
     };
-    let implicit = simulate(&n80cb(), &settings).unwrap().work;
-    assert!(BASE.work.steps < 3 * implicit.steps / 4, "{implicit:?}");
+    let implicit = simulate(&n80cb(), &settings).unwrap().record.work;
+    assert!(BASE.record.work.steps < 3 * implicit.steps / 4, "{implicit:?}");
     assert!(
-        BASE.work.factorisations < 2 * implicit.factorisations / 3,
+        BASE.record.work.factorisations < 2 * implicit.factorisations / 3,
         "{implicit:?}"
     );
 }

@@ -18,11 +18,11 @@ fn a_constant_force_acts_from_the_surface_to_the_full_depth() {
     let mut p = constant(1165.0);
     p.nail.overdrive_limit = 0.01;
     let r = simulate(&p, &Settings::default()).unwrap();
-    assert!(r.is_certified(), "{:?}", r.checks);
-    let full = (r.summary.full_penetration.unwrap() / r.sample_interval) as usize;
-    let start = (r.events.t6.unwrap() / r.sample_interval) as usize + 2;
+    assert!(r.is_certified(), "{:?}", r.figures.checks);
+    let full = (r.figures.summary.full_penetration.unwrap() / r.sample_interval()) as usize;
+    let start = (r.figures.events.t6.unwrap() / r.sample_interval()) as usize + 2;
     assert!(
-        r.forces.penetration[start..full]
+        r.history("nail.force")[start..full]
             .iter()
             .all(|f| (f - 1165.0).abs() < 1e-9)
     );

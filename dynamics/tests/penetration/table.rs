@@ -36,8 +36,15 @@ fn sampled(n: usize) -> ForceTable {
 fn a_fine_table_of_a_law_gives_the_same_cycle_as_the_law() {
     let law = run(None);
     let table = run(Some(sampled(400)));
-    assert!(table.is_certified(), "{:?}", table.checks);
-    for (i, (a, b)) in law.events.to_array().iter().zip(table.events.to_array()).enumerate() {
+    assert!(table.is_certified(), "{:?}", table.figures.checks);
+    for (i, (a, b)) in law
+        .figures
+        .events
+        .to_array()
+        .iter()
+        .zip(table.figures.events.to_array())
+        .enumerate()
+    {
         let apart = (a.unwrap() - b.unwrap()).abs();
         assert!(apart < if i == 11 || i == 18 { 2e-5 } else { 1e-6 }, "t{i}: {apart} s");
     }

@@ -12,7 +12,7 @@ use crate::commands::{Shown, Status, given_or_named, print, print_json, progress
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
-use crate::output::{self, Exports};
+use crate::output::{self, CycleView, Exports};
 use crate::stages::cycle::event_in_words;
 use crate::tables::{self, fixed};
 use crate::units::Units;
@@ -96,13 +96,12 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
 /// Writes the tables and, if units are given, the charts in them; returns the files of the charts.
 fn write(folder: &Path, tool: &AssembledTool, record: &Record, charts: Option<Units>) -> Result<Vec<PathBuf>, Error> {
     let staging = AtomicWrite::within(folder)?;
-    for file in output::of_network(
-        record,
-        Exports {
-            histories: true,
-            ..Exports::default()
-        },
-    )? {
+    let exports = Exports {
+        histories: true,
+        ..Exports::default()
+    };
+    let view = CycleView { record, nailer: None };
+    for file in output::of_cycle(view, exports)? {
         staging.write(&file.path, &file.content)?;
     }
     let charts = charts.map_or_else(Vec::new, |units| {

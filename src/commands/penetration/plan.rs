@@ -210,7 +210,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 fn energy_of(path: &Path, set: &[Assignment]) -> Result<f64, Error> {
     let design = Changes { set: set.to_vec() }.load(path)?;
     let record = chain::cycle(&design)?;
-    let speed = record.summary.mean_drive_speed.unwrap_or(0.0);
+    let speed = record.figures.summary.mean_drive_speed.unwrap_or(0.0);
     Ok(0.5 * design.piston.mass * speed * speed)
 }
 

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::model::supports;
 use crate::stages::bodies::BodyError;
 use crate::stages::bodies::SensorPoint;
-use crate::stages::cycle::{AssembledCycle, BORE, RETURN_WALL, VOLUMES_OF_KEYS};
+use crate::stages::cycle::{AssembledCycle, BORE, RETURN_WALL};
 use crate::stages::sensors::Accelerometer;
 use crate::stages::transducers::{CYLINDER, Chamber, PressureTransducer, RETURN};
 
@@ -100,13 +100,15 @@ impl Chambers {
     }
 
     fn of(design: &Design) -> Result<Self, Error> {
+        /// Volumes of the tool of the keys.
+        const OF_KEYS: [&str; 5] = ["above_piston", "below_piston", "return_volume", "above_valve", "supply"];
         let assembled = match design.transducers.is_empty() {
             true => None,
             false => super::assembly::cycle(design)?,
         };
         let Some(AssembledCycle { assembly, .. }) = assembled else {
             return Ok(Self {
-                volumes: VOLUMES_OF_KEYS.map(str::to_owned).to_vec(),
+                volumes: OF_KEYS.map(str::to_owned).to_vec(),
                 has_bore: true,
                 has_return: true,
             });

@@ -1,11 +1,9 @@
 //! The nailing cycle with its lumped workpiece.
 //!
-//! Every tool is a network of blocks: the built-in assembly with the keys of a design, whose record has fixed fields
-//! ([`Cycle`]), or the assembly of the design itself ([`AssembledCycle`]). Both produce a [`ShotRecord`], which is all
-//! that the chain uses.
+//! Every tool is a network of blocks: the built-in assembly with the keys of a design ([`Cycle`]), or the assembly of
+//! the design itself ([`AssembledCycle`]). Both produce a [`ShotRecord`], which is all that the chain uses.
 
 mod of_assembly;
-mod of_keys;
 mod shot;
 
 use std::sync::Arc;
@@ -17,11 +15,11 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
-pub(crate) use of_assembly::{TOOL, UNNAMED, WORKPIECE, figure_unit, outflows, stops_on_housing};
-pub use of_keys::{EVENT_NAMES, event_times};
-pub(crate) use shot::VOLUMES_OF_KEYS;
+pub(crate) use of_assembly::{UNNAMED, WORKPIECE, figure_unit, outflows, stops_on_housing};
+pub(crate) use shot::TOOL;
 pub use shot::{
-    BORE, EngineRecord, EventTimes, EventWords, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures, event_in_words,
+    BORE, Body, EventTimes, EventWords, NailerShot, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures,
+    event_in_words,
 };
 
 /// One nailing cycle of the tool described by a design's keys: chamber pressures, motions, events, contact forces and
@@ -127,7 +125,7 @@ impl Engine {
     /// [`Error::Cycle`] or [`Error::Network`] if the tool cannot be computed.
     pub fn shot(&self) -> Result<ShotRecord, Error> {
         match self {
-            Self::Keys(cycle) => Ok(ShotRecord::of_keys(&cycle.parameters, cycle.record()?)),
+            Self::Keys(cycle) => Ok(ShotRecord::of_keys(cycle.record()?)),
             Self::Assembly(cycle) => {
                 let record = cycle.record()?;
                 Ok(ShotRecord::of_assembly(&cycle.assembly, record))

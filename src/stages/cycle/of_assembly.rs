@@ -1,4 +1,4 @@
-//! The shot of a tool that is described as an assembly.
+//! The shot of a network of blocks.
 //!
 //! The housing is the body `tool`, the workpiece the body `workpiece`. Loads on the workpiece are those that the
 //! assembly names `seat` and `nail`; by default, they are the contacts and fasteners between the workpiece and other
@@ -10,14 +10,11 @@ use nailnoise_dynamics::network::assembly::{
     self, Base, Channel, Contact, Expression, Family, Passage, Quantity, Space,
 };
 use nailnoise_dynamics::network::{Assembly, FlowHistory, LoadHistory, Record};
-use nailnoise_dynamics::{Body, critical_ratio};
+use nailnoise_dynamics::{CycleRecord, critical_ratio};
 use nailnoise_penetration::RateLaw;
 
-use super::of_keys::impulse_correction;
-use super::shot::{EngineRecord, OnWorkpiece, ShotRecord, SummaryFigures};
+use super::shot::{Body, OnWorkpiece, ShotRecord, SummaryFigures, TOOL};
 
-/// The body that is the housing of a tool.
-pub(crate) const TOOL: &str = "tool";
 /// The body on which a tool works.
 pub(crate) const WORKPIECE: &str = "workpiece";
 /// Outcome of a shot to which no outcome of its assembly applies.
@@ -28,27 +25,29 @@ impl ShotRecord {
     pub fn of_assembly(assembly: &Assembly, record: Record) -> Self {
         let of = Histories::new(assembly, &record);
         let atmosphere = assembly.reservoirs.iter().find(|own| own.name == "atmosphere");
-        let on_tool = |body: &str| body == TOOL;
         Self {
             sample_interval: record.interval.unwrap_or_default(),
-            samples: of.samples,
             ambient_pressure: atmosphere.map_or(0.0, |own| own.pressure),
             outcome: record.outcome.clone().unwrap_or_else(|| UNNAMED.to_owned()),
             events: record.events.clone(),
             figures: SummaryFigures::Assembly(figures(assembly, &record)),
-            openings: record.openings.clone(),
             tool: of.body(TOOL).map(|index| of.motion(index)),
-            loads: record.loads.iter().filter(|own| on_tool(&own.body)).cloned().collect(),
             impulse_corrections: of.impulse_corrections(),
-            pressures: record
-                .pressures
-                .iter()
-                .filter(|own| on_tool(&own.body))
-                .cloned()
-                .collect(),
             workpiece: of.body(WORKPIECE).map(|index| of.on_workpiece(index)),
             checks: record.checks.clone(),
-            record: EngineRecord::Assembly(Box::new(record)),
+            record: Box::new(record),
+            nailer: None,
+        }
+    }
+
+    /// The shot of the tool described by keys.
+    pub fn of_keys(cycle: CycleRecord) -> Self {
+        Self {
+            outcome: cycle.figures.outcome.name().to_owned(),
+            figures: SummaryFigures::Keys(Box::new(cycle.figures.summary.clone())),
+            checks: cycle.figures.checks.clone(),
+            nailer: Some(Box::new(cycle.figures)),
+            ..Self::of_assembly(&cycle.assembly, cycle.record)
         }
     }
 }
@@ -65,7 +64,7 @@ impl<'a> Histories<'a> {
         Self {
             assembly,
             record,
-            samples: record.channels.first().map_or(0, |channel| channel.values.len()),
+            samples: record.len(),
         }
     }
 
@@ -210,6 +209,29 @@ impl<'a> Histories<'a> {
         }
         corrections
     }
+}
+
+/// Mean force of a body on its stiff stops around each sample, minus the `sampled` force, positive downwards \[N\].
+///
+/// The body may leave a stiff stop within less than a sampling interval. Between two samples at an interval h, its
+/// momentum changes by M (v' - v). The mean of the smooth forces, gas, spring, friction and weight (M a + F), accounts
+/// for part of the change; the rest is the impulse of the stops. Half of it is assigned to each of the two samples.
+fn impulse_correction(mass: f64, body: &Body, sampled: &[f64], interval: f64) -> Vec<f64> {
+    let smooth = |n: usize| mass * body.acceleration[n] + sampled[n];
+    let mut forces: Vec<f64> = sampled.iter().map(|force| -force).collect();
+    for n in 1..sampled.len() {
+        let gained = mass * (body.velocity[n] - body.velocity[n - 1]) / interval;
+        let force = 0.5 * (smooth(n - 1) + smooth(n)) - gained;
+        forces[n - 1] += 0.5 * force;
+        forces[n] += 0.5 * force;
+    }
+    // Half an interval is missing at each end, where the body is at rest.
+    if let Some(last) = sampled.len().checked_sub(1) {
+        for end in [0, last] {
+            forces[end] += 0.5 * sampled[end];
+        }
+    }
+    forces
 }
 
 /// The surface of the housing whose load contains the force of a contact.

@@ -1,22 +1,20 @@
-//! The shot: the results of a cycle that sources, bodies and results use, from either engine.
+//! The shot: the results of a cycle that sources, bodies and results use.
 
 use std::collections::BTreeMap;
 
 use nailnoise_dynamics::network::{EventTime, FlowHistory, LoadHistory, PressureHistory, Record};
-use nailnoise_dynamics::{Body, CycleRecord, Summary};
+use nailnoise_dynamics::{CycleRecord, NailerFigures, Summary};
 use nailnoise_quantities::Check;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
+/// The body that is the housing of a tool.
+pub(crate) const TOOL: &str = "tool";
 /// Wall of the cylinder, which the piston divides.
 pub const BORE: &str = "bore";
 /// Wall of the return volume.
 pub const RETURN_WALL: &str = "return";
-
-/// Volumes of the tool of the keys, by the names of its assembly.
-pub(crate) const VOLUMES_OF_KEYS: [&str; 5] =
-    ["above_piston", "below_piston", "return_volume", "above_valve", "supply"];
 
 /// A cycle in the form used by the chain.
 ///
@@ -26,8 +24,6 @@ pub(crate) const VOLUMES_OF_KEYS: [&str; 5] =
 pub struct ShotRecord {
     /// dt, interval of the samples \[s\].
     pub sample_interval: f64,
-    /// Number of samples.
-    pub(super) samples: usize,
     /// Pressure of the atmosphere \[Pa\].
     pub ambient_pressure: f64,
     /// Name of the outcome; `unnamed` if no outcome of an assembly applies.
@@ -36,23 +32,47 @@ pub struct ShotRecord {
     pub events: Vec<EventTime>,
     /// Figures of the shot.
     pub figures: SummaryFigures,
-    /// Flow through each opening to the atmosphere that makes noise. The tool of the keys has the exhaust holes, then
-    /// the vent of the trigger valve.
-    pub openings: Vec<FlowHistory>,
     /// Motion of the tool's housing; `None` for a tool without one.
     pub tool: Option<Body>,
-    /// Forces on surfaces of the housing.
-    pub loads: Vec<LoadHistory>,
     /// Means of stiff contact forces around each sample, minus the sampled forces, on surfaces of the housing.
     pub impulse_corrections: Vec<LoadHistory>,
-    /// Absolute pressures on walls of the housing that leave no net force.
-    pub pressures: Vec<PressureHistory>,
     /// Motion of the workpiece and the forces on it; `None` for a tool without one.
     pub workpiece: Option<OnWorkpiece>,
     /// Checks of the cycle, each with its limit.
     pub checks: Vec<Check>,
-    /// All histories of the engine.
-    pub record: EngineRecord,
+    /// All histories, and the flows through the openings to the atmosphere that make noise.
+    pub record: Box<Record>,
+    /// The shot in terms of the nailer, for the tool described by keys.
+    pub nailer: Option<Box<NailerFigures>>,
+}
+
+/// A shot of the tool described by keys.
+#[derive(Debug, Clone, Copy)]
+pub struct NailerShot<'a> {
+    /// Its histories.
+    pub record: &'a Record,
+    /// The shot in terms of the nailer.
+    pub figures: &'a NailerFigures,
+}
+
+impl<'a> From<&'a CycleRecord> for NailerShot<'a> {
+    fn from(cycle: &'a CycleRecord) -> Self {
+        Self {
+            record: &cycle.record,
+            figures: &cycle.figures,
+        }
+    }
+}
+
+/// Motion of one body.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Body {
+    /// y \[m\].
+    pub position: Vec<f64>,
+    /// v \[m/s\].
+    pub velocity: Vec<f64>,
+    /// dv/dt \[m/s2\]; excludes the jump at an impact.
+    pub acceleration: Vec<f64>,
 }
 
 /// Motion of the workpiece and the forces of the tool on it.
@@ -68,28 +88,19 @@ pub struct OnWorkpiece {
     pub fastener: Vec<f64>,
     /// Deepest depth of the fastener's tip so far \[m\].
     pub deepest: Vec<f64>,
-    /// Speed of an assembly's fastener into the workpiece \[m/s\]; `None` if its resistance does not depend on speed.
+    /// Speed of the fastener into the workpiece \[m/s\]; `None` if its resistance does not depend on speed.
     pub fastener_speed: Option<Vec<f64>>,
-}
-
-/// The record of the engine that computed a shot.
-#[derive(Debug, Clone, PartialEq)]
-pub enum EngineRecord {
-    /// Record of the tool described by keys.
-    Keys(Box<CycleRecord>),
-    /// Record of an assembly.
-    Assembly(Box<Record>),
 }
 
 impl ShotRecord {
     /// Number of samples.
     pub fn len(&self) -> usize {
-        self.samples
+        self.record.len()
     }
 
     /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
-        self.samples == 0
+        self.record.is_empty()
     }
 
     /// Time of sample `index` \[s\].
@@ -102,30 +113,27 @@ impl ShotRecord {
         self.events.iter().find(|event| event.name == name)?.time
     }
 
-    /// The record of the tool described by keys; `None` for an assembly.
-    pub fn of_tool_of_keys(&self) -> Option<&CycleRecord> {
-        match &self.record {
-            EngineRecord::Keys(record) => Some(record),
-            EngineRecord::Assembly(_) => None,
-        }
+    /// The shot of the tool described by keys; `None` for an assembly.
+    pub fn of_nailer(&self) -> Option<NailerShot<'_>> {
+        self.nailer.as_deref().map(|figures| NailerShot {
+            record: &self.record,
+            figures,
+        })
     }
 
     /// Absolute pressure of a volume of the cycle \[Pa\]; `None` if it has none of this name.
     pub fn volume_pressure(&self, name: &str) -> Option<&[f64]> {
-        match &self.record {
-            EngineRecord::Keys(record) => {
-                let mut volumes = VOLUMES_OF_KEYS.into_iter().zip([
-                    &record.above_piston,
-                    &record.below_piston,
-                    &record.return_volume,
-                    &record.above_valve,
-                    &record.supply,
-                ]);
-                let found = volumes.find(|(own, _)| *own == name);
-                found.map(|(_, volume)| &volume.pressure[..])
-            }
-            EngineRecord::Assembly(record) => record.get(&format!("{name}.pressure")),
-        }
+        self.record.get(&format!("{name}.pressure"))
+    }
+
+    /// Forces on surfaces of the housing.
+    pub fn loads(&self) -> impl Iterator<Item = &LoadHistory> {
+        self.record.loads.iter().filter(|own| own.body == TOOL)
+    }
+
+    /// Absolute pressures on walls of the housing that leave no net force.
+    pub fn pressures(&self) -> impl Iterator<Item = &PressureHistory> {
+        self.record.pressures.iter().filter(|own| own.body == TOOL)
     }
 
     /// Acceleration of the housing \[m/s2\]; empty for a tool without one.
@@ -142,7 +150,7 @@ impl ShotRecord {
     /// Mass that leaves through all openings \[kg\].
     pub fn discharged_mass(&self) -> f64 {
         let of_figures = |figures: &BTreeMap<String, f64>| {
-            let masses = self.openings.iter();
+            let masses = self.record.openings.iter();
             masses
                 .filter_map(|own| figures.get(&format!("{}_mass", own.name)))
                 .sum()
@@ -155,7 +163,7 @@ impl ShotRecord {
 
     /// Flow through the opening with this name.
     pub fn opening(&self, name: &str) -> Option<&FlowHistory> {
-        self.openings.iter().find(|opening| opening.name == name)
+        self.record.opening(name)
     }
 }
 

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use nailnoise_dynamics::network::{self, Record};
-use nailnoise_dynamics::{Compliance, CouplingWork, EnergyFlow, WoodForces, WoodMotion, Workpiece, simulate_on};
+use nailnoise_dynamics::{Compliance, CouplingWork, WoodForces, WoodMotion, Workpiece, simulate_on};
 use nailnoise_fem::vibration::{Driven, ModalBody, ModalResponse, Settings, Support};
 use nalgebra::{DMatrix, DVectorView};
 
@@ -17,7 +17,7 @@ use super::nail_force::{DrivenFastener, Resistance};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::STATIONS;
-use crate::stages::cycle::{Engine, EngineRecord, OnWorkpiece, ShotRecord, WORKPIECE};
+use crate::stages::cycle::{Engine, OnWorkpiece, ShotRecord, WORKPIECE};
 
 /// Loads of the shot on the workpiece, in the order of a body's load participations: the nail stations from the surface
 /// downwards, the nose, and gravity.
@@ -34,8 +34,8 @@ const WEIGHT: [f64; COUPLED_LOADS] = {
 
 /// Largest difference between the forces on both sides, relative to the largest force.
 const FORCE_LIMIT: f64 = 1e-6;
-/// Largest difference between the work on both sides, relative to the work of gas, hand and gravity on the tool's
-/// bodies.
+/// Largest difference between the work on both sides, relative to the work of gas, motors and forces on the
+/// tool's bodies.
 const WORK_LIMIT: f64 = 1e-4;
 /// The same relative to the largest energy in the structure, which on a rigid floor is a thousandth of the other:
 /// forces that start or jump within a step cause an error proportional to the square of the step.
@@ -109,7 +109,7 @@ fn shot_on(engine: &Engine, wood: &mut Wood<'_>) -> Result<(ShotRecord, Coupling
     match engine {
         Engine::Keys(cycle) => {
             let (record, work) = simulate_on(&cycle.parameters, &cycle.settings, wood)?;
-            Ok((ShotRecord::of_keys(&cycle.parameters, record), work))
+            Ok((ShotRecord::of_keys(record), work))
         }
         Engine::Assembly(cycle) => {
             let bodies = &cycle.assembly.bodies;
@@ -283,7 +283,7 @@ fn checks(shot: &ShotRecord, response: &ModalResponse, work_of_wood: f64) -> Vec
     for sample in 0..shot.len().min(response.samples()) {
         let on_wood = response.loads.column(sample);
         let nail: f64 = on_wood.rows(0, STATIONS).sum();
-        let [of_nail, seat] = forces.map_or([0.0; 2], |on| forces_at(shot, on, sample));
+        let [of_nail, seat] = forces.map_or([0.0; 2], |on| forces_at(on, sample));
         for (cycle, wood) in [(of_nail, nail), (seat, on_wood[NOSE])] {
             apart = apart.max((cycle - wood).abs());
             largest = largest.max(cycle.abs());
@@ -293,10 +293,7 @@ fn checks(shot: &ShotRecord, response: &ModalResponse, work_of_wood: f64) -> Vec
     let peak = (0..energy.time.len()).fold(f64::MIN_POSITIVE, |peak, k| {
         peak.max(energy.kinetic_total(k)).max(energy.work[k].abs())
     });
-    let [work, applied] = match &shot.record {
-        EngineRecord::Keys(record) => [record.energy.wood, applied_by_keys(&record.energy)],
-        EngineRecord::Assembly(record) => work_of_assembly(record),
-    };
+    let [work, applied] = work_of(&shot.record);
     let applied = applied.max(f64::MIN_POSITIVE);
     vec![
         Check::at_most(
@@ -319,21 +316,12 @@ fn checks(shot: &ShotRecord, response: &ModalResponse, work_of_wood: f64) -> Vec
 
 /// Forces of fastener and seat in the cycle at a sample. A nose that lands may pull until the end of the step in which
 /// it meets the wood, but not in the wood.
-fn forces_at(shot: &ShotRecord, on: &OnWorkpiece, sample: usize) -> [f64; 2] {
-    let seat = match &shot.record {
-        EngineRecord::Keys(record) => record.forces.nose[sample].max(0.0) + record.forces.guard[sample],
-        EngineRecord::Assembly(_) => on.seat[sample] - on.nose[sample].min(0.0),
-    };
-    [on.fastener[sample], seat]
+fn forces_at(on: &OnWorkpiece, sample: usize) -> [f64; 2] {
+    [on.fastener[sample], on.seat[sample] - on.nose[sample].min(0.0)]
 }
 
-/// Work of gas, hand and gravity on the bodies of the tool of the keys.
-fn applied_by_keys(e: &EnergyFlow) -> f64 {
-    e.piston_work.abs() + e.valve_work.abs() + e.hand.abs() + e.gravity.abs()
-}
-
-/// Work of an assembly on its workpiece, and of gas, motors and forces on its bodies.
-fn work_of_assembly(record: &Record) -> [f64; 2] {
+/// Work of a cycle on its workpiece, and of gas, motors and forces on its bodies.
+fn work_of(record: &Record) -> [f64; 2] {
     let of = |prefix: &str| -> f64 {
         let entries = record.ledger.iter().filter(|entry| entry.name.starts_with(prefix));
         entries.map(|entry| entry.value.abs()).sum()

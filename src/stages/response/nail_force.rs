@@ -20,13 +20,13 @@ use nailnoise_dynamics::Parameters;
 use nailnoise_dynamics::blow::{Blow, BlowInput, Course, elastic_blow};
 use nailnoise_dynamics::network::FastenerResistance;
 use nailnoise_dynamics::network::assembly::Fastener;
-use nailnoise_penetration::{Envelope, RateLaw};
+use nailnoise_penetration::Envelope;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::result::Check;
 use crate::stages::bodies::STATIONS;
-use crate::stages::cycle::{EngineRecord, OnWorkpiece, ShotRecord};
+use crate::stages::cycle::{OnWorkpiece, ShotRecord};
 
 /// Frequencies between which the force of an elastic blow replaces that of the cycle \[Hz\].
 const CROSSOVER: [f64; 2] = [1000.0, 2000.0];
@@ -76,12 +76,12 @@ pub(super) struct FastenerForces {
 pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<FastenerForces> {
     let on = shot.workpiece.as_ref()?;
     let resistance = Resistance::of(driven);
-    let ((force, checks), speed) = (penetration(driven, shot, on), speed(driven, shot, on));
+    let (force, checks) = penetration(driven, shot, on);
     let mut stations = DMatrix::zeros(STATIONS, force.len());
     for (sample, mut column) in stations.column_iter_mut().enumerate() {
         let depth = on.deepest[sample];
         if force[sample] != 0.0 && depth > 0.0 {
-            let parts = resistance.parts(depth, speed.as_ref().map_or(0.0, |speed| speed[sample]));
+            let parts = resistance.parts(depth, on.fastener_speed.as_ref().map_or(0.0, |speed| speed[sample]));
             resistance.spread(parts, (force[sample], depth), column.as_mut_slice());
         }
     }
@@ -92,10 +92,7 @@ pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<Faste
 fn penetration(driven: &DrivenFastener, shot: &ShotRecord, on: &OnWorkpiece) -> (Vec<f64>, Vec<Check>) {
     let (mut force, mut checks) = (on.fastener.clone(), Vec::new());
     for input in &driven.blows {
-        let course = match &shot.record {
-            EngineRecord::Keys(record) => Course::of_keys(record),
-            EngineRecord::Assembly(record) => Course::of_record(input, record),
-        };
+        let course = Course::of_record(input, &shot.record);
         let blow = course.and_then(|course| Some((elastic_blow(input, &course)?, course)));
         if let Some((blow, course)) = blow {
             let more = above_crossover(&blow, &course);
@@ -104,20 +101,6 @@ fn penetration(driven: &DrivenFastener, shot: &ShotRecord, on: &OnWorkpiece) -> 
         }
     }
     (force, checks)
-}
-
-/// Speed of a nail or fastener into the wood, if its resistance depends on it.
-fn speed(driven: &DrivenFastener, shot: &ShotRecord, on: &OnWorkpiece) -> Option<Vec<f64>> {
-    let (FastenerLaw::Nail(parameters), EngineRecord::Keys(record)) = (&driven.law, &shot.record) else {
-        return on.fastener_speed.clone();
-    };
-    match parameters.wood.rate {
-        RateLaw::None => None,
-        RateLaw::Speed => {
-            let pairs = record.piston.velocity.iter().zip(&record.workpiece.velocity);
-            Some(pairs.map(|(piston, wood)| (piston - wood).max(0.0)).collect())
-        }
-    }
 }
 
 /// What the force of an elastic blow adds to that of its cycle above [`CROSSOVER`].

@@ -19,13 +19,13 @@ pub(super) fn histories(mesh: &Mesh, shot: &ShotRecord) -> Result<DMatrix<f64>, 
     let bore = Bore::of(mesh)?;
     let ambient = shot.ambient_pressure;
     let mut histories = DMatrix::zeros(LOADS, shot.len());
-    for load in shot.loads.iter().chain(&shot.impulse_corrections) {
+    for load in shot.loads().chain(&shot.impulse_corrections) {
         if let Some(place) = axial_index(&load.surface) {
             let row = histories.row_mut(place).into_iter();
             row.zip(&load.force).for_each(|(sum, force)| *sum += force);
         }
     }
-    for wall in &shot.pressures {
+    for wall in shot.pressures() {
         let place = match wall.surface.as_str() {
             BORE => {
                 for sample in 0..shot.len() {

@@ -264,7 +264,7 @@ impl Guided {
         loads: &Loads,
         (response, coordinates): (&ModalResponse, Option<&DMatrix<f64>>),
     ) -> Result<Vec<Check>, Error> {
-        let still = nailnoise_dynamics::Body::default();
+        let still = crate::stages::cycle::Body::default();
         let tool = record.tool.as_ref().unwrap_or(&still);
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()));
         let force = mass * largest(&tool.acceleration);

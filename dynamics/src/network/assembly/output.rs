@@ -101,6 +101,6 @@ pub enum PressurePatch {
         /// Position of the divide \[m\].
         at: Expression,
     },
-    /// Pressure upstream of the last restriction of a passage (index).
+    /// Pressure upstream of the opening of a passage (index); without an opening, upstream of its last restriction.
     Plenum(usize),
 }

@@ -10,7 +10,7 @@ const ENDED: f64 = 0.05;
 
 /// Notes on openings that still discharge at the end of the record.
 pub(super) fn unended(record: &ShotRecord) -> impl Iterator<Item = String> {
-    record.openings.iter().filter_map(|opening| {
+    record.record.openings.iter().filter_map(|opening| {
         let last = *opening.mass_flow.last()?;
         let largest = opening.mass_flow.iter().copied().fold(0.0, f64::max);
         (last > ENDED * largest).then(|| {
