@@ -15,11 +15,11 @@ use crate::{EnergyFlow, LogEntry};
 /// | channels | blocks |
 /// |---|---|
 /// | `position`, `velocity`, `acceleration` | bodies `piston`, `head_valve`, `tool`, `workpiece` |
-/// | `piston.travel` | y_pr = y_p - y_g, from the stopper |
+/// | `travel`, `speed` | `piston` from the stopper, y_pr = y_p - y_g, and `head_valve` from the cap |
 /// | `piston.moving_mass` | M_p + M_n while the nail is attached to the rod, else M_p |
-/// | `valve_lift` | s, from the seat |
+/// | `valve_lift` | s, lift of the head valve from its seat |
 /// | `nail.tip`, `nail.deepest` | depth of the rod's end as nail tip depth; the largest so far, at least 0 |
-/// | `pressure`, `temperature`, `mass` | volumes `above_piston`, `below_piston`, `return_volume`, `above_valve`, `supply` |
+/// | `pressure`, `temperature`, `mass` | `above_piston`, `below_piston`, `return_volume`, `above_valve`, `supply` |
 /// | `mass_flow` | passages `intake`, `exhaust`, `vent` |
 /// | `force` | forces between bodies |
 /// | `nail.guide_force` | friction of magazine and guide on the nail driven by the rod, up on it when it moves down |

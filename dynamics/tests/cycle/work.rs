@@ -51,10 +51,13 @@ fn a_record_serialises_with_its_events_and_histories() {
     };
     let record = simulate(&n80cb(), &settings).unwrap();
     let json = serde_json::to_value(&record).unwrap();
-    assert_eq!(json["outcome"], "does_not_open");
-    assert_eq!(json["events"]["t0"], 0.0);
-    assert_eq!(json["events"]["t18"], serde_json::Value::Null);
-    assert_eq!(json["piston"]["position"].as_array().unwrap().len(), record.len());
+    let figures = &json["figures"];
+    assert_eq!(figures["outcome"], "does_not_open");
+    assert_eq!(figures["events"]["t0"], 0.0);
+    assert_eq!(figures["events"]["t18"], serde_json::Value::Null);
+    let channels = json["record"]["channels"].as_array().unwrap();
+    let position = channels.iter().find(|own| own["name"] == "piston.position").unwrap();
+    assert_eq!(position["values"].as_array().unwrap().len(), record.len());
 }
 
 #[test]
