@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use memchr::memchr_iter;
 use miette::NamedSource;
 use toml::Spanned;
 use toml::de::DeTable;
@@ -85,7 +86,7 @@ impl Document {
             .unwrap_or(0);
         let end = span.end.clamp(start, self.text.len());
         let before = &self.text[..start];
-        let line = before.matches('\n').count() + 1;
+        let line = memchr_iter(b'\n', before.as_bytes()).count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         let source = NamedSource::new(self.path.to_string_lossy(), Arc::clone(&self.text)).with_language("TOML");
         Box::new(Place {

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::network::Effort;
-use nailnoise_dynamics::{CycleRecord, EnergyFlow, NailerFigures, simulate};
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, NailerFigures, simulate_figures};
 use serde::Serialize;
 
 use super::assembly::Asked;
 use super::{Common, Status, print, print_json, status_of, table, warn};
 use crate::atomic_write::AtomicWrite;
-use crate::chain;
 use crate::cost;
+use crate::design::Design;
 use crate::design::inputs::assembly::AssembledTool;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
@@ -19,7 +19,7 @@ use crate::figures::{self, Chart};
 use crate::output::{self, Exports};
 use crate::penetration;
 use crate::result::DesignId;
-use crate::stages::cycle::Preset;
+use crate::stages::cycle::{Cycle, Preset};
 use crate::tables::{self, dash, fixed};
 use crate::units::Units;
 use crate::wording::figure;
@@ -92,7 +92,7 @@ struct CycleResult<'a> {
     penetration_table: Option<String>,
     #[serde(flatten)]
     cycle: &'a NailerFigures,
-    work: &'a Effort,
+    work: Effort,
     /// Files of the charts requested.
     figures: Vec<String>,
 }
@@ -118,15 +118,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     };
     let progress = common.shown.progress();
     progress.stage("nailing cycle");
-    let record = match (preset, &arguments.penetration_table) {
-        (Some(preset), _) => chain::cycle_as_published(&design, preset)?,
-        (None, Some(path)) => {
-            let mut parameters = parameters(&design)?;
-            parameters.penetration_table = Some(penetration::table(path)?);
-            simulate(&parameters, &cycle_settings(&design))?
-        }
-        (None, None) => chain::cycle(&design)?,
-    };
+    let cycle = cycle(&design, preset, arguments.penetration_table.as_deref())?;
     let penetration_table = arguments
         .penetration_table
         .as_ref()
@@ -136,42 +128,57 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         (None, Some(path)) => format!(", penetration law of {path}"),
         (None, None) => String::new(),
     };
-    // The tables take most of the time of a shot; a program that reads JSON requests them explicitly.
-    let with_files = !common.options.json || common.options.out.is_some() || arguments.figures;
-    let mut figures = Vec::new();
-    if with_files {
-        progress.stage("writing files");
-        let subject = format!(
-            "{}{form}: {}",
-            design.name(),
-            record.figures.outcome.name().replace('_', " ")
-        );
-        let charts = arguments
-            .figures
-            .then(|| figures::in_units(figures::cycle(&subject, &design, (&record).into()), common.shown.units));
-        figures = write(&folder, &record, &charts.unwrap_or_default())?;
-    }
-    progress.end();
-    let status = status_of(&record.figures.checks);
-    let result = CycleResult {
+    let result = |cycle, work, files: &[PathBuf]| CycleResult {
         schema: "nailnoise-cycle/1",
         design: DesignId::from(&design),
         preset,
-        penetration_table,
-        cycle: &record.figures,
-        work: &record.record.work,
-        figures: figures.iter().map(|file| file.display().to_string()).collect(),
+        penetration_table: penetration_table.clone(),
+        cycle,
+        work,
+        figures: files.iter().map(|file| file.display().to_string()).collect(),
     };
+    // Histories and their tables take most of the time of a shot; a program that reads JSON requests them explicitly.
+    if common.options.json && common.options.out.is_none() && !arguments.figures {
+        let (figures, work) = simulate_figures(&cycle.parameters, &cycle.settings)?;
+        progress.end();
+        print_json(&result(&figures, work, &[]))?;
+        return Ok(status_of(&figures.checks));
+    }
+    let record = cycle.record()?;
+    progress.stage("writing files");
+    let outcome = record.figures.outcome.name().replace('_', " ");
+    let headline = format!("{}{form}: {outcome}", design.name());
+    let charts = arguments
+        .figures
+        .then(|| figures::in_units(figures::cycle(&headline, &design, (&record).into()), common.shown.units));
+    let files = write(&folder, &record, &charts.unwrap_or_default())?;
+    progress.end();
     if common.options.json {
-        print_json(&result)?;
+        print_json(&result(&record.figures, record.record.work, &files))?;
     } else {
-        common.shown.print(&text(&form, &result, &record, common.shown.units))?;
+        common.shown.print(&text(&headline, &record, common.shown.units))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
-        for file in &figures {
+        for file in &files {
             print(&format!("  {}\n", file.display()))?;
         }
     }
-    Ok(status)
+    Ok(status_of(&record.figures.checks))
+}
+
+/// The cycle of a design, in a published form or with points of a penetration law.
+fn cycle(design: &Design, preset: Option<Preset>, penetration_table: Option<&Path>) -> Result<Cycle, Error> {
+    let mut parameters = parameters(design)?;
+    if let Some(path) = penetration_table {
+        parameters.penetration_table = Some(penetration::table(path)?);
+    }
+    let cycle = Cycle {
+        parameters,
+        settings: cycle_settings(design),
+    };
+    Ok(match preset {
+        Some(preset) => cycle.published(preset),
+        None => cycle,
+    })
 }
 
 /// The cycle of a tool described by its file as an assembly.
@@ -222,12 +229,8 @@ fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<Pa
     Ok(figures.iter().map(|file| folder.join(file)).collect())
 }
 
-fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord, units: Units) -> String {
-    let mut text = format!(
-        "{}{form}: {}\n\n",
-        result.design.name,
-        record.figures.outcome.name().replace('_', " ")
-    );
+fn text(headline: &str, record: &CycleRecord, units: Units) -> String {
+    let mut text = format!("{headline}\n\n");
     text.push_str(&table::text(&tables::cycle::events(&record.record.events)));
     text.push('\n');
     let summary = serde_json::to_value(&record.figures.summary).unwrap_or_default();

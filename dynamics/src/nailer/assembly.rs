@@ -96,6 +96,27 @@ const CHANNELS: [&str; 60] = [
     "vent_temperature",
 ];
 
+/// Channels that the figures of a shot need: states at the start for its log, and what its summary reads.
+const CHANNELS_OF_FIGURES: [&str; 17] = [
+    "piston.position",
+    "piston.velocity",
+    "piston.speed",
+    "head_valve.position",
+    "head_valve.velocity",
+    "head_valve.speed",
+    "tool.position",
+    "tool.velocity",
+    "workpiece.position",
+    "workpiece.velocity",
+    "above_piston.pressure",
+    "below_piston.pressure",
+    "return_volume.pressure",
+    "above_valve.pressure",
+    "supply.pressure",
+    "nail.tip",
+    "nail.deepest",
+];
+
 /// Hole pitch of a cycle, which only sources of noise use \[m\].
 const UNUSED_PITCH: f64 = 1.0;
 
@@ -145,6 +166,16 @@ impl<'p> Nailer<'p> {
                 channels: Some(&CHANNELS),
             },
         })
+    }
+
+    /// The same nailer, whose record has only the histories that its figures need.
+    pub(super) fn for_figures(mut self) -> Self {
+        self.assembly.loads.clear();
+        self.assembly.pressures.clear();
+        self.assembly.columns.clear();
+        self.assembly.openings.retain(|opening| opening.name == "exhaust");
+        self.numerics.channels = Some(&CHANNELS_OF_FIGURES);
+        self
     }
 
     /// Index of a body.

@@ -13,9 +13,10 @@ mod log;
 mod summary;
 
 use crate::blow::BlowInput;
-use crate::network::{self, RunError};
+use crate::network::{self, Effort, RunError};
 use crate::{
-    Compliance, CouplingWork, CycleError, CycleRecord, Parameters, Settings, WoodForces, WoodMotion, Workpiece,
+    Compliance, CouplingWork, CycleError, CycleRecord, NailerFigures, Parameters, Settings, WoodForces, WoodMotion,
+    Workpiece,
 };
 
 use assembly::Nailer;
@@ -36,6 +37,17 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
     let nailer = Nailer::new(parameters, settings)?;
     let record = network::simulate(&nailer.assembly, &nailer.numerics).map_err(|error| nailer.error(error))?;
     figures::cycle_record(nailer, record)
+}
+
+/// Computes the figures of a nailing cycle, without its histories, and the work of the integration.
+///
+/// # Errors
+/// The errors of [`simulate`].
+pub fn simulate_figures(parameters: &Parameters, settings: &Settings) -> Result<(NailerFigures, Effort), CycleError> {
+    let nailer = Nailer::new(parameters, settings)?.for_figures();
+    let record = network::simulate(&nailer.assembly, &nailer.numerics).map_err(|error| nailer.error(error))?;
+    let work = record.work;
+    Ok((figures::cycle_record(nailer, record)?.figures, work))
 }
 
 /// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use nailnoise_quantities::Check;
 use serde::Serialize;
 
-use super::assembly::Family;
+use super::assembly::{Family, Word};
 use super::plan::Plan;
 use super::rates::Workspace;
 use super::recorder::Recorder;
@@ -439,15 +439,12 @@ pub(crate) fn peaked(plan: &Plan) -> Vec<Peak> {
         .collect()
 }
 
-/// Whether a family's blocks have words in the log that name a restriction.
-pub(crate) fn restriction_name(plan: &Plan, family: Family, index: usize, restriction: usize) -> String {
-    if family != Family::Passage {
+/// Name of the restriction that logs a word; empty for words of other blocks and of passages as a whole.
+pub(crate) fn restriction_name(plan: &Plan, word: Word) -> String {
+    if word.block.family != Family::Passage || !word.action.is_of_restriction() {
         return String::new();
     }
-    let found = plan
-        .assembly
-        .passages
-        .get(index)
-        .and_then(|passage| passage.restrictions.get(restriction));
+    let passage = plan.assembly.passages.get(word.block.index);
+    let found = passage.and_then(|passage| passage.restrictions.get(word.restriction));
     found.map_or_else(String::new, |restriction| restriction.name.clone())
 }

@@ -103,6 +103,31 @@ fn names_must_exist_and_be_unique() {
             &["did you mean \"exhaust.seat opens\"?"],
         ),
         (
+            "[cycle.event.t4]\nbecomes = \"exhaust.holes choked\"",
+            &["which no block logs", "there are: exhaust opens", "exhaust choked"],
+        ),
+        (
+            "[cycle.event.t4]\nbecomes = \"exhast choked\"",
+            &["no block with the word \"choked\"", "did you mean \"exhaust\"?"],
+        ),
+        (
+            "[cycle.event.t0]\nat = \"exhaust choked\"",
+            &["which is no time", "becomes = \"exhaust choked\" instead"],
+        ),
+        (
+            "[cycle.contact.bumper]\nat = \"piston.stroke - 5 mm\"",
+            &["begins with \"=\", as \"=piston.stroke - 5 mm\""],
+        ),
+        (
+            "[cycle.passage.leak]\narea = \"=disk(2 mm)\"",
+            &["did you mean `disc`?"],
+        ),
+        ("[cycle.volume.supply]\npressure = \"7 bar(g)\"", &["psi, barg, psig"]),
+        (
+            "[cycle.event.t4]\nbecomes = \"leak.mass_flow > 0.01\"",
+            &["a damping coefficient or a mass flow and a plain number"],
+        ),
+        (
             "[cycle.event.t4]\nbecomes = \"above_piston hits\"",
             &["which no block logs", "logs no words", "give a condition"],
         ),
@@ -379,6 +404,22 @@ fn an_error_of_a_change_is_in_the_file_that_makes_it() {
     let (message, error) = refusal("[cycle.passage.leak]\n\nramp = { area = \"3 mm2\", time = \"1 ms\" }");
     assert_eq!((error.at.file(), error.at.line()), ("own.toml", 5), "{message}");
     assert!(message.contains("more than one of area, ramp"), "{message}");
+}
+
+/// The passage `exhaust` then leads to the chamber, and the jet of the N80CB names it.
+#[test]
+fn an_error_of_a_base_names_the_change_that_causes_it() {
+    let (message, error) = refusal(
+        "[cycle.passage.exhaust]\nbetween = [\"above_piston\", \"return_volume\"]\n\
+         [cycle.passage.holes]\nbetween = [\"return_volume\", \"atmosphere\"]\narea = \"9 mm2\"\n\
+         [cycle.opening.exhaust]\nreplace = true\npassage = \"holes\"\n\
+         [cycle.force.thrust]\nif = true\n",
+    );
+    assert!(error.path.ends_with("thrust.jet"), "{message}");
+    assert!(
+        message.contains("changed at own.toml, line 4, by `cycle.passage.exhaust.between`"),
+        "{message}"
+    );
 }
 
 #[test]

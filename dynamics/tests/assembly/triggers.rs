@@ -55,6 +55,24 @@ fn a_gate_shuts_as_its_flow_unchokes() {
     assert!((pressure / expected - 1.0).abs() < 1e-6, "{pressure} Pa, {expected} Pa");
 }
 
+/// The narrow nozzle behind a wide valve unchokes, and the words are those of the passage.
+#[test]
+fn a_series_unchokes_as_a_passage() {
+    let record = record(
+        r#"volume.vessel = { dead = "20 cm3", pressure = "7 barg" }
+[cycle.passage.gun]
+between = ["vessel", "atmosphere"]
+series = [{ name = "valve", area = "12 mm2" }, { name = "nozzle", area = "7 mm2" }]
+silent = true
+[cycle.event]
+unchoked = { becomes = "gun unchoked" }
+"#,
+    );
+    let unchoked = record.log.iter().find(|entry| entry.word == "unchoked").unwrap();
+    assert_eq!((unchoked.block.as_str(), unchoked.restriction.as_str()), ("gun", ""));
+    assert_eq!(record.event("unchoked"), Some(unchoked.time));
+}
+
 /// A ball thrown up at v turns at t = v/g and v^2/(2 g) above its start.
 const THROWN: &str = r#"gravity = "9.81 m/s2"
 body.ball = { mass = "1 kg", start = { travel = "0 mm", speed = "-0.2 m/s" } }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nailnoise_dynamics::network::Literal;
 use nailnoise_dynamics::network::assembly::{
-    Assembly, Base, BlockRef, Coefficient, Edge, Family, Opens, Passage, Push, Space, Start,
+    Assembly, Base, BlockRef, Coefficient, Contact, Edge, Family, Opens, Passage, Push, Space, Start, Stop,
 };
 use nailnoise_quantities::Kind;
 use nailnoise_quantities::dimension::NUMBER;
@@ -285,62 +285,51 @@ fn coefficient(coefficient: &Coefficient) -> String {
 
 /// Everything that exerts a force, by pair of bodies.
 fn forces(assembly: &Assembly) -> Table {
-    let pair = |kind: &str, name: &str, on: usize, against: Base| {
-        vec![
-            name.to_owned(),
-            kind.to_owned(),
-            assembly.bodies[on].name.clone(),
-            base(assembly, against),
-        ]
+    let row = |kind: &str, name: &str, (on, against): (usize, Base), law: String| {
+        let on = assembly.bodies[on].name.clone();
+        vec![name.to_owned(), kind.to_owned(), on, base(assembly, against), law]
     };
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    rows.extend(
-        assembly
-            .contacts
-            .iter()
-            .map(|own| pair("contact", &own.name, own.on, own.against)),
-    );
-    rows.extend(
-        assembly
-            .springs
-            .iter()
-            .map(|own| pair("spring", &own.name, own.on, own.against)),
-    );
-    rows.extend(
-        assembly
-            .frictions
-            .iter()
-            .map(|own| pair("friction", &own.name, own.on, own.against)),
-    );
-    rows.extend(
-        assembly
-            .forces
-            .iter()
-            .map(|own| pair("force", &own.name, own.on, own.against)),
-    );
-    rows.extend(
-        assembly
-            .motors
-            .iter()
-            .map(|own| pair("motor", &own.name, own.on, own.against)),
-    );
-    rows.extend(
-        assembly
-            .holds
-            .iter()
-            .map(|own| pair("latch", &own.name, own.on, own.against)),
-    );
-    rows.extend(
-        assembly
-            .fasteners
-            .iter()
-            .map(|own| pair("fastener", &own.name, own.driver, own.into)),
-    );
+    let contacts = assembly.contacts.iter();
+    let contacts = contacts.map(|own| row("contact", &own.name, (own.on, own.against), stop(own)));
+    let others = [
+        pairs("spring", &assembly.springs, |own| (&own.name, own.on, own.against)),
+        pairs("friction", &assembly.frictions, |own| (&own.name, own.on, own.against)),
+        pairs("force", &assembly.forces, |own| (&own.name, own.on, own.against)),
+        pairs("motor", &assembly.motors, |own| (&own.name, own.on, own.against)),
+        pairs("latch", &assembly.holds, |own| (&own.name, own.on, own.against)),
+        pairs("fastener", &assembly.fasteners, |own| (&own.name, own.driver, own.into)),
+    ];
+    let others = others.iter().flatten();
+    let others = others.map(|(kind, name, on, against)| row(kind, name, (*on, *against), String::new()));
     Table {
         name: "forces",
-        headings: vec!["force", "kind", "on", "against"],
-        rows,
+        headings: vec!["force", "kind", "on", "against", "stop"],
+        rows: contacts.chain(others).collect(),
     }
+}
+
+/// Kind, name and bodies of the blocks of a family.
+fn pairs<'a, T>(
+    kind: &'static str,
+    blocks: &'a [T],
+    of: impl Fn(&'a T) -> (&'a String, usize, Base),
+) -> Vec<(&'static str, &'a str, usize, Base)> {
+    let of = |own| {
+        let (name, on, against) = of(own);
+        (kind, name.as_str(), on, against)
+    };
+    blocks.iter().map(of).collect()
+}
+
+/// Side, position and stiffness of a stop.
+fn stop(contact: &Contact) -> String {
+    let side = if contact.stop == Stop::Below { "down" } else { "up" };
+    let stiffness = if contact.exponent == 1.0 {
+        format!("{:.4} N/mm", 1e-3 * contact.stiffness)
+    } else {
+        format!("{:.4e} N/m^{}", contact.stiffness, contact.exponent)
+    };
+    format!("{side} at {}, {stiffness}", mm(contact.at))
 }
 
 fn triggers(assembly: &Assembly) -> Table {

@@ -6,6 +6,7 @@ use nailnoise_dynamics::network::{Assembly, Effort, EventTime, LedgerEntry, Peak
 use nailnoise_quantities::Check;
 use serde::Serialize;
 
+use super::openings::{HEADINGS, OpeningFigures};
 use crate::atomic_write::AtomicWrite;
 use crate::commands::{Shown, Status, given_or_named, print, print_json, progress, status_of, table};
 use crate::design::inputs::assembly::AssembledTool;
@@ -40,6 +41,7 @@ struct CycleResult<'a> {
     /// End of the record \[s\].
     end: f64,
     events: &'a [EventTime],
+    openings: Vec<OpeningFigures<'a>>,
     peaks: &'a [Peak],
     strikes: &'a [Strike],
     ledger: &'a [LedgerEntry],
@@ -70,6 +72,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
         outcome: record.outcome.as_deref(),
         end: record.end,
         events: &record.events,
+        openings: OpeningFigures::of(&tool.resolved.assembly, &record),
         peaks: &record.peaks,
         strikes: &record.strikes,
         ledger: &record.ledger,
@@ -141,9 +144,9 @@ fn largest_values(assembly: &Assembly, record: &Record) -> Vec<Vec<String>> {
 
 fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
     let mut text = format!("{}\n\n", headline(tool, record));
-    let mut section = |headings: [&str; 2], rows: Vec<Vec<String>>| {
+    let mut section = |headings: &[&str], rows: Vec<Vec<String>>| {
         if !rows.is_empty() {
-            text.push_str(&table::numbers(&headings, &rows, units));
+            text.push_str(&table::numbers(headings, &rows, units));
             text.push('\n');
         }
     };
@@ -151,28 +154,30 @@ fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
         let words = event_in_words(&event.name, &event.description);
         vec![words, fixed(event.time.map(|time| 1e3 * time), 3)]
     });
-    section(["event", "time ms"], events.collect());
+    section(&["event", "time ms"], events.collect());
     let peaks = record
         .peaks
         .iter()
         .map(|peak| vec![peak.block.clone(), format!("{:.1}", peak.force)]);
-    section(["peak force", "N"], peaks.collect());
-    section(["figure", "value"], largest_values(&tool.resolved.assembly, record));
+    let openings = OpeningFigures::of(&tool.resolved.assembly, record);
+    section(&HEADINGS, openings.iter().map(OpeningFigures::row).collect());
+    section(&["peak force", "N"], peaks.collect());
+    section(&["figure", "value"], largest_values(&tool.resolved.assembly, record));
     let strikes = record.strikes.iter().map(|strike| {
         vec![
             format!("{} at {:.3} ms", strike.fastener, 1e3 * strike.time),
             format!("{:.3} to {:.3}", strike.before, strike.after),
         ]
     });
-    section(["strike", "speed m/s"], strikes.collect());
+    section(&["strike", "speed m/s"], strikes.collect());
     let ledger = record
         .ledger
         .iter()
         .map(|entry| vec![entry.name.clone(), format!("{:.5e} {}", entry.value, entry.unit)]);
-    section(["balance", "value"], ledger.collect());
+    section(&["balance", "value"], ledger.collect());
     text.push_str(&table::text(&tables::run::checks(&record.checks)));
     text.push_str(&format!(
-        "\n  {} steps, {} rejected, {} changes of mode, {} Jacobians\n",
+        "\n  {} steps, {} rejected, {} switches of blocks, {} Jacobians\n",
         record.work.steps, record.work.rejected, record.work.events, record.work.jacobians
     ));
     text

@@ -2,6 +2,7 @@
 
 mod check;
 mod cycle;
+mod openings;
 
 pub(super) use check::{draw, execute as check};
 pub(super) use cycle::{Asked, execute as cycle};

@@ -51,14 +51,6 @@ pub(crate) fn blows(design: &Design, engine: &Engine) -> Result<Vec<BlowInput>, 
     Ok(fastener(design, engine)?.map_or_else(Vec::new, |fastener| fastener.blows))
 }
 
-/// Whether the model of the blow on the fastener in the workpiece is elastic; none for a tool that drives none.
-///
-/// # Errors
-/// Those of a cycle that are found before its run.
-pub(crate) fn is_elastic(design: &Design, engine: &Engine) -> Result<Option<bool>, Error> {
-    Ok(fastener(design, engine)?.map(|fastener| !fastener.blows.is_empty()))
-}
-
 /// The fastener in the workpiece; none for a tool that drives none.
 ///
 /// # Errors

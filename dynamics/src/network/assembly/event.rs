@@ -86,9 +86,9 @@ pub enum Action {
     Uncovered,
     /// Holes are covered.
     Covered,
-    /// Flow becomes sonic.
+    /// Flow through the last restriction in flow direction becomes sonic.
     Choked,
-    /// Flow becomes subsonic.
+    /// Flow through that restriction becomes subsonic.
     Unchoked,
     /// Flow or motion reverses.
     Reverses,
@@ -123,6 +123,11 @@ pub enum Action {
 }
 
 impl Action {
+    /// Whether a restriction of a passage logs it, not the passage as a whole.
+    pub(crate) fn is_of_restriction(self) -> bool {
+        matches!(self, Self::Opens | Self::Shuts | Self::Uncovered | Self::Covered)
+    }
+
     /// The word of the log.
     pub fn word(self) -> &'static str {
         match self {

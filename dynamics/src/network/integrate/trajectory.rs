@@ -60,7 +60,7 @@ impl Run<'_> {
             state,
             time,
             block: plan.assembly.name_of(word.block).to_owned(),
-            restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
+            restriction: restriction_name(plan, word),
             word: word.action.word(),
         };
         self.log.insert(place, entry);

@@ -112,6 +112,14 @@ impl<'n> Part<'n> {
         body.into_iter().chain(faces).collect()
     }
 
+    /// The blocks of any family with a name, with all their fields.
+    pub(super) fn of_any_block(name: &'n str) -> Vec<Self> {
+        CHANNELS
+            .iter()
+            .map(|(_, family)| Self::new(*family, name, &[]))
+            .collect()
+    }
+
     /// A block with all its fields.
     pub(super) fn of_block(family: Family, name: &'n str) -> Vec<Self> {
         vec![Self::new(family, name, &[])]

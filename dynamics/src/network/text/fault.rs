@@ -174,6 +174,14 @@ pub enum Fault {
         /// Words of the block.
         known: Vec<String>,
     },
+    /// A word of a block stands in place of a time.
+    #[error("is \"{word}\", which is no time")]
+    WordForTime {
+        /// Text as given.
+        word: String,
+        /// Words of the block.
+        known: Vec<String>,
+    },
     /// Words of a block stand in place of a condition.
     #[error("is \"{word}\", which is no condition")]
     WordForCondition {
@@ -387,8 +395,16 @@ impl Fault {
             Self::Missing { example, .. } => format!("add it, as {example}"),
             Self::Kind { expected, .. } => format!("give {expected}"),
             Self::Dimension { units, .. } => format!("give a value in {units}"),
-            Self::Literal { units, .. } => {
-                format!("give a number with a unit ({units}), or a formula that begins with \"=\"")
+            Self::Literal { text, units, .. } => {
+                let is_formula = text
+                    .trim_start()
+                    .starts_with(|first: char| first.is_alphabetic() || first == '(');
+                let example = if is_formula {
+                    format!(", as \"={}\"", text.trim())
+                } else {
+                    String::new()
+                };
+                format!("give a number with a unit ({units}), or a formula that begins with \"=\"{example}")
             }
             Self::Domain { .. } => "correct the value or its unit".to_owned(),
             Self::Formula { help, .. } => help.clone(),
@@ -403,6 +419,11 @@ impl Fault {
                     "it takes the name of an event: add one to [cycle.event]{example}; {}",
                     logged(known)
                 )
+            }
+            Self::WordForTime { word, known } => {
+                let near = nearest(known.iter().map(String::as_str), word).or(known.first().map(String::as_str));
+                let word = near.unwrap_or_default();
+                format!("give a time, as \"5 ms\"; the event of a word has becomes = \"{word}\" instead")
             }
             Self::WordForCondition { known, .. } if known.is_empty() => logged(known),
             Self::WordForCondition { word, known } => {

@@ -2,6 +2,7 @@
 
 use nailnoise_quantities::{Held, Kind, Value};
 
+use super::changes::Part;
 use super::compile::{Compiled, Word};
 use super::fault::{AssemblyError, Changes, Fault, with_article};
 use super::layers::dotted;
@@ -81,15 +82,21 @@ impl<'r, 'a> Fields<'r, 'a> {
         &self.node.get(key).unwrap_or(self.node).spot
     }
 
-    /// An error of a field; if it names what a file removes, with that removal.
+    /// An error of a field; if it names what a nearer file removes or changes, with that change.
     pub(super) fn error(&self, key: &str, fault: Fault) -> AssemblyError {
-        let removal = match &fault {
-            Fault::UnknownName { name, .. } => self.resolver.text.removal(name),
-            Fault::UnknownWord { word, .. } => self.resolver.text.removal(word),
+        let text = self.resolver.text;
+        let name = match &fault {
+            Fault::UnknownName { name: own, .. } | Fault::UnknownWord { word: own, .. } => Some(own),
             _ => None,
         };
+        let removal = name.and_then(|name| text.removal(name));
+        let changes = match (removal, &fault) {
+            (Some(removal), _) => Changes(vec![removal]),
+            (None, Fault::UnknownName { name, .. }) => text.changes(self.spot(key), &Part::of_any_block(name)),
+            (None, _) => Changes::default(),
+        };
         AssemblyError {
-            changes: Box::new(Changes(removal.into_iter().collect())),
+            changes: Box::new(changes),
             ..self.resolver.error(&self.full(key), self.spot(key), fault)
         }
     }

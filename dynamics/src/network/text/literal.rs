@@ -54,12 +54,12 @@ pub(super) fn read(node: &Node, kind: Kind) -> Result<Measured, Fault> {
     let dimension = dimension(kind);
     let gauge = is_gauge(kind);
     match &node.value {
-        Tree::Text(text) => quantity(text, dimension, gauge).map_err(|error| refused(text, error, dimension)),
+        Tree::Text(text) => quantity(text, dimension, gauge).map_err(|error| refused(text, error, kind)),
         Tree::Number(number) if dimension == NUMBER || *number == 0.0 => Ok(Measured {
             si: *number,
             gauge: false,
         }),
-        Tree::Number(number) => Err(refused(&number.to_string(), QuantityError::NoUnit, dimension)),
+        Tree::Number(number) => Err(refused(&number.to_string(), QuantityError::NoUnit, kind)),
         Tree::Table(_) => match node.get("value") {
             Some(value) if !value.is_table() => read(value, kind),
             _ => Err(Fault::Missing {
@@ -74,17 +74,20 @@ pub(super) fn read(node: &Node, kind: Kind) -> Result<Measured, Fault> {
     }
 }
 
-fn refused(text: &str, error: QuantityError, dimension: Dimension) -> Fault {
+fn refused(text: &str, error: QuantityError, kind: Kind) -> Fault {
+    let dimension = dimension(kind);
+    let gauge = if is_gauge(kind) { ", barg, psig" } else { "" };
+    let units = format!("{}{gauge}", dimension.examples());
     match error {
         QuantityError::Dimension { found, .. } => Fault::Dimension {
             found: found.to_string(),
             expected: dimension.to_string(),
-            units: dimension.examples(),
+            units,
         },
         error => Fault::Literal {
             text: text.to_owned(),
             problem: error.to_string(),
-            units: dimension.examples(),
+            units,
         },
     }
 }
@@ -102,9 +105,8 @@ pub(super) fn details(node: &Node, kind: Kind) -> Result<Details, Fault> {
         match entry.key.as_str() {
             "range" => {
                 let text = text()?;
-                let dimension = dimension(kind);
-                let read = range(&text, dimension, is_gauge(kind));
-                details.range = Some(read.map_err(|error| refused(&text, error, dimension))?);
+                let read = range(&text, dimension(kind), is_gauge(kind));
+                details.range = Some(read.map_err(|error| refused(&text, error, kind))?);
             }
             "provenance" => details.provenance = text()?,
             "note" => details.note = text()?,

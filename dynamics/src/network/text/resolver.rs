@@ -190,7 +190,7 @@ impl<'a> Resolver<'a> {
         scope: &dyn Scope,
     ) -> Result<Compiled, AssemblyError> {
         let compiled = parse(text)
-            .map_err(|error| Trouble::here(error.to_string(), "see the grammar of formulas in the documentation"))
+            .map_err(|error| Trouble::here(error.to_string(), error.help()))
             .and_then(|term| compile(&term, scope));
         compiled.map_err(|trouble| match trouble {
             Trouble::Elsewhere(error) => *error,

@@ -1,12 +1,14 @@
 //! The workpiece with its support.
 
+mod blow;
 pub(super) mod sound;
 
 use nailnoise_acoustics::radiation::radiator::Loading;
 
+use self::blow::Blow;
 use self::sound::{CODE, NAME, WorkpieceRadiated, WorkpieceSound, WorkpieceSource};
 use super::{Compared, ImpedanceComparison, Source, SourceStages};
-use crate::chain::{ShotStages, engine};
+use crate::chain::ShotStages;
 use crate::design::inputs;
 use crate::error::Error;
 use crate::measurement::wrapping::Role;
@@ -86,7 +88,7 @@ impl Source for Workpiece {
         let impedance = (shot.radiators.acts == Loading::Full).then(|| compare_impedances(shot, &own));
         let support = supports::of(shot.context.design);
         let (words, flush) = (support.in_words(), support.open_faces() == OpenFaces::FlushTop);
-        let blow = inputs::response::is_elastic(shot.context.design, &engine(shot.context.design)?)?;
+        let blow = shot.motions.shot.fastener.as_ref().map(Blow::of);
         Ok(SourceStages {
             source: &Workpiece,
             analysis: shot.analysis(own),
@@ -98,7 +100,7 @@ impl Source for Workpiece {
             },
             notes: Box::new(move |sound| {
                 let mut notes = notes(sound, &words, flush);
-                notes.methods.extend(blow.map(blow_note));
+                notes.methods.extend(blow.map(Blow::note));
                 Ok(notes)
             }),
         })
@@ -162,19 +164,6 @@ fn notes(sound: &SourceSound, support: &str, flush: bool) -> SourceNotes {
             }],
         },
     }
-}
-
-/// What the error of the method does not contain of the blow on the fastener.
-fn blow_note(is_elastic: bool) -> String {
-    let text = if is_elastic {
-        "the waves of the blow on the fastener converge up to 3.15 kHz; from 6.3 kHz on the force on the wood is known \
-         to 10 dB, which the error of the method does not contain"
-    } else {
-        "the driver strikes the fastener as a rigid body; the error of the method does not contain the waves of the \
-         blow, which lower the workpiece of the N80CB as tested by 0.2 dB and raise its third octaves at 5, 8 and 10 \
-         kHz by 1 to 2 dB; an elastic blow contains them"
-    };
-    text.to_owned()
 }
 
 /// Radiation of a workpiece whose top is flush with a plane, compared with other methods.

@@ -160,7 +160,8 @@ fn condition(
     node: &Node,
     sensors: &[Option<Dimension>],
 ) -> Result<Condition, AssemblyError> {
-    const EXPECTED: &str = "a condition, as \"piston.travel > 1 mm\"";
+    const EXPECTED: &str = "a condition, as \"piston.travel > 1 mm\"; the event of a word has becomes = \"NAME WORD\", \
+                            as \"bumper closes\"";
     let wrong = |found: String| {
         let expected = EXPECTED.to_owned();
         fields.resolver.error(path, &node.spot, Fault::Kind { found, expected })
@@ -204,13 +205,16 @@ fn word(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Wor
     })
 }
 
-/// The restriction of a passage that logs an action: the one named, or the only one that can.
+/// The restriction of a passage that logs an action: the one named, or the only one that can. Words of the passage as a
+/// whole do not name one.
 fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<usize> {
+    if !action.is_of_restriction() {
+        let is_gate = matches!(action, Action::GateOpens | Action::GateShuts);
+        return (part.is_none() && (!is_gate || passage.gate.is_some())).then_some(0);
+    }
     let logs = |opens: &Opens| match action {
         Action::Opens | Action::Shuts => matches!(opens, Opens::Seat { .. }),
-        Action::Uncovered | Action::Covered => matches!(opens, Opens::Holes { .. }),
-        Action::GateOpens | Action::GateShuts => passage.gate.is_some(),
-        _ => true,
+        _ => matches!(opens, Opens::Holes { .. }),
     };
     let mut able = passage
         .restrictions
@@ -218,11 +222,7 @@ fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<
         .enumerate()
         .filter(|(_, restriction)| part.is_none_or(|part| restriction.name == part) && logs(&restriction.opens));
     let (index, _) = able.next()?;
-    let of_passage = !matches!(
-        action,
-        Action::Opens | Action::Shuts | Action::Uncovered | Action::Covered
-    );
-    (of_passage || able.next().is_none()).then_some(index)
+    able.next().is_none().then_some(index)
 }
 
 /// All words of the blocks that a trigger may follow, for messages.
@@ -249,6 +249,26 @@ fn block_of_words<'r, 'a>(resolver: &'r Resolver<'a>, text: &str) -> Option<&'r 
         .any(|word| matches!(word, "and" | "or" | "not"));
     let name = name.split_once('.').map_or(name, |(name, _)| name);
     resolver.names.find(name).filter(|_| is_words && !is_condition)
+}
+
+/// A name of no block that is followed by a word of the log.
+fn word_of_unknown_block(resolver: &Resolver<'_>, text: &str) -> Option<Fault> {
+    let (name, action) = text.trim().split_once(char::is_whitespace)?;
+    let (name, _) = name.split_once('.').unwrap_or((name, ""));
+    let action = action.trim();
+    let logs = |block: &&Block<'_>| words(block.block.family).iter().any(|(word, _)| *word == action);
+    let known: Vec<String> = resolver
+        .names
+        .blocks
+        .iter()
+        .filter(logs)
+        .map(|block| block.name.to_string())
+        .collect();
+    (resolver.names.find(name).is_none() && !known.is_empty()).then(|| Fault::UnknownName {
+        name: name.to_owned(),
+        wanted: format!("block with the word \"{action}\""),
+        known,
+    })
 }
 
 /// All words of some blocks.
@@ -401,6 +421,13 @@ pub(super) fn events(
             }
             condition(fields, &fields.full(key), node, &dimensions).map(Some)
         };
+        if fields.get("at").is_some() {
+            let text = fields.get("at").and_then(Node::text).unwrap_or_default();
+            if let Some(known) = words_of_named(resolver, passages, text) {
+                let word = text.to_owned();
+                return Err(fields.error("at", Fault::WordForTime { word, known }));
+            }
+        }
         let becomes = fields.get("becomes").and_then(Node::text);
         let logged = becomes.and_then(|text| word(resolver, passages, text));
         if let (None, Some(text)) = (logged, becomes)
@@ -408,6 +435,9 @@ pub(super) fn events(
         {
             let word = text.to_owned();
             return Err(fields.error("becomes", Fault::UnknownWord { word, known }));
+        }
+        if let Some(fault) = becomes.and_then(|text| word_of_unknown_block(resolver, text)) {
+            return Err(fields.error("becomes", fault));
         }
         let other = |key: &str| {
             let text = fields.get(key).and_then(Node::text).unwrap_or_default();

@@ -1,5 +1,6 @@
 //! Syntax tree of a formula.
 
+use nailnoise_documents::nearest;
 use nailnoise_quantities::Dimension;
 
 use crate::network::assembly::{Binary, Function};
@@ -41,6 +42,10 @@ pub(in crate::network::text) enum Relation {
     NotEqual,
 }
 
+/// Names of the functions.
+pub(in crate::network::text) const FUNCTIONS: [&str; 10] =
+    ["disc", "sqrt", "exp", "sin", "cos", "tan", "min", "max", "abs", "if"];
+
 /// Why a text is not a formula.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub(in crate::network::text) enum SyntaxError {
@@ -54,7 +59,7 @@ pub(in crate::network::text) enum SyntaxError {
     Gauge(String),
     #[error("`{0}` is not a finite number")]
     Number(String),
-    #[error("`{0}` is not a function; there are disc, sqrt, exp, sin, cos, tan, min, max, abs, if")]
+    #[error("`{0}` is not a function; there are {functions}", functions = FUNCTIONS.join(", "))]
     Function(String),
     #[error("{name} takes {expected}, not {found}")]
     Arguments {
@@ -66,4 +71,18 @@ pub(in crate::network::text) enum SyntaxError {
     Depth,
     #[error("it has more than {0} numbers, names and signs")]
     Long(usize),
+}
+
+impl SyntaxError {
+    /// The remedy.
+    pub(in crate::network::text) fn help(&self) -> String {
+        let near = match self {
+            Self::Function(name) => nearest(FUNCTIONS.into_iter(), name),
+            _ => None,
+        };
+        near.map_or_else(
+            || "the page \"Describe another tool\" has the grammar of formulas".to_owned(),
+            |near| format!("did you mean `{near}`?"),
+        )
+    }
 }

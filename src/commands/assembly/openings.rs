@@ -1,0 +1,76 @@
+//! Figures of the flow through each opening of a cycle.
+
+use nailnoise_dynamics::network::assembly::{Opening, Space};
+use nailnoise_dynamics::network::{Assembly, FlowHistory, Record};
+use serde::Serialize;
+
+/// Figures of the flow through an opening to the atmosphere.
+#[derive(Debug, Serialize)]
+pub(super) struct OpeningFigures<'a> {
+    /// Name of the opening.
+    name: &'a str,
+    /// Mass that leaves through it, less what enters \[kg\]; null if the record does not balance it.
+    mass: Option<f64>,
+    /// Largest mass flow out \[kg/s\].
+    peak_mass_flow: f64,
+    /// Time of the largest mass flow \[s\].
+    peak_time: f64,
+    /// First and last sample with choked flow \[s\]; null if the flow is never choked.
+    choked: Option<[f64; 2]>,
+}
+
+impl<'a> OpeningFigures<'a> {
+    /// The openings of a record, in the order of the assembly; none without samples.
+    pub(super) fn of(assembly: &Assembly, record: &'a Record) -> Vec<Self> {
+        let Some(interval) = record.interval else {
+            return Vec::new();
+        };
+        let pairs = assembly.openings.iter().zip(&record.openings);
+        let all = pairs.filter_map(|(opening, flow)| Self::new(opening, flow, interval, record, assembly));
+        all.collect()
+    }
+
+    fn new(
+        opening: &Opening,
+        flow: &'a FlowHistory,
+        interval: f64,
+        record: &Record,
+        assembly: &Assembly,
+    ) -> Option<Self> {
+        let samples = flow.mass_flow.iter().copied().enumerate();
+        let (peak, peak_mass_flow) = samples.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let mut choked = flow.choked.iter().enumerate().filter(|(_, choked)| **choked);
+        let first = choked.next().map(|(sample, _)| sample);
+        let last = choked.next_back().map(|(sample, _)| sample).or(first);
+        let time = |sample: usize| interval * sample as f64;
+        let passage = assembly.passages.get(opening.passage)?;
+        let outward = if matches!(passage.to, Space::Reservoir(_)) {
+            1.0
+        } else {
+            -1.0
+        };
+        let mass = record.integral(&format!("mass.{}", passage.name));
+        Some(Self {
+            name: &flow.name,
+            mass: mass.map(|mass| outward * mass),
+            peak_mass_flow,
+            peak_time: time(peak),
+            choked: first.zip(last).map(|(first, last)| [time(first), time(last)]),
+        })
+    }
+
+    /// Name, mass, largest flow with its time, and the time of choked flow.
+    pub(super) fn row(&self) -> Vec<String> {
+        let milli = |value: f64| format!("{:.3}", 1e3 * value);
+        let choked = |[from, to]: [f64; 2]| format!("{} to {}", milli(from), milli(to));
+        vec![
+            self.name.to_owned(),
+            self.mass.map_or_else(|| "-".to_owned(), milli),
+            format!("{} at {}", milli(self.peak_mass_flow), milli(self.peak_time)),
+            self.choked.map_or_else(|| "never".to_owned(), choked),
+        ]
+    }
+}
+
+/// Headings of [`OpeningFigures::row`].
+pub(super) const HEADINGS: [&str; 4] = ["opening", "mass g", "largest flow g/s at ms", "choked ms"];
