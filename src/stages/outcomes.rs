@@ -1,7 +1,7 @@
 //! Outcomes of many shots without their sound: the inexpensive part of a study.
 
 use nailnoise_dynamics::network::{self, RunError};
-use nailnoise_dynamics::{CycleError, CycleRecord, simulate};
+use nailnoise_dynamics::{CycleError, simulate_figures};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -97,8 +97,8 @@ fn of_assembly(cycle: &AssembledCycle) -> ShotOutcome {
 }
 
 fn of_keys(cycle: &Cycle) -> ShotOutcome {
-    match simulate(&cycle.parameters, &cycle.settings) {
-        Ok(CycleRecord { figures, .. }) => ShotOutcome::Shot(ShotFigures {
+    match simulate_figures(&cycle.parameters, &cycle.settings) {
+        Ok((figures, _)) => ShotOutcome::Shot(ShotFigures {
             outcome: figures.outcome.name().to_owned(),
             mean_drive_speed: figures.summary.mean_drive_speed,
             penetration: figures.summary.penetration,
