@@ -20,7 +20,7 @@ pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::{Geometry, critical_ratio};
 pub use log::{Crossing, Direction, LogEntry, LogState};
-pub use nailer::{blow_input, simulate, simulate_figures, simulate_on};
+pub use nailer::{blow_input, simulate, simulate_figures, simulate_loads, simulate_on};
 pub use nailnoise_penetration::{NailedWood, Wood};
 pub use parameters::{
     Ambient, Block, BlowModel, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters,

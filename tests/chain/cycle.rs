@@ -104,12 +104,13 @@ fn every_history_of_the_record_is_a_column() {
         others.split_whitespace().map(str::to_owned).collect(),
     ]
     .concat();
-    // Blocks that a design switches off have no column.
-    let record =
-        nailnoise::chain::cycle(&small("nail.magazine_friction = \"1 N\"\nexhaust.thrust_share = 0.5")).unwrap();
+    // Blocks that a design switches off have columns of zeros.
+    let record = nailnoise::chain::cycle(&small("nail.magazine_friction = \"0 N\"\nexhaust.thrust_share = 0")).unwrap();
+    assert!(record.history("thrust.force").iter().all(|force| *force == 0.0));
     let columns = columns(&record.record);
     let names: std::collections::BTreeSet<&str> = columns.iter().map(|column| column.name).collect();
     assert_eq!(names.len(), columns.len());
+    assert_eq!(columns[0].name, "piston_position");
     for name in &expected {
         assert!(names.contains(name.as_str()), "{name}");
     }

@@ -471,10 +471,8 @@ fn cycle_prints_outcome_events_and_work() {
     assert_eq!(result["outcome"], "drives");
     assert!(result["work"]["steps"].as_u64().unwrap() > 100);
     assert!(result["summary"]["exhaust_mass"].as_f64().unwrap() > 1e-3);
-    let histories = std::fs::read_to_string(out.join("histories.csv")).unwrap();
-    let columns: Vec<&str> = histories.lines().next().unwrap().split(',').collect();
-    assert_eq!(columns[0], "time [s]");
-    assert!(columns.contains(&"piston_position [m]"));
+    let header = std::fs::read_to_string(out.join("histories.csv")).unwrap();
+    assert!(header.starts_with("time [s],piston_position [m],"));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use nailnoise_quantities::dimension::{LENGTH, TIME};
 
 use super::checks;
-use crate::network::{Assembly, AssemblyError, AssemblyText, Fault, KeyValue, Numerics, RunError};
+use crate::network::{Assembly, AssemblyError, AssemblyText, Fault, KeyValue, Numerics, Record, RunError};
 use crate::{CycleError, Geometry, Parameters, Settings};
 
 /// Blocks that switch, by the names of the assembly and in words.
@@ -32,25 +32,25 @@ const VOLUMES: [(&str, &str); 5] = [
     ("supply", "supply-side"),
 ];
 
-/// Channels of the record.
+/// Channels of the record in their order, which is that of the columns of its files. Later versions append to it.
 const CHANNELS: [&str; 60] = [
     "piston.position",
     "piston.velocity",
     "piston.acceleration",
-    "piston.travel",
-    "piston.moving_mass",
-    "piston.speed",
-    "head_valve.travel",
     "head_valve.position",
     "head_valve.velocity",
     "head_valve.acceleration",
-    "head_valve.speed",
     "tool.position",
     "tool.velocity",
     "tool.acceleration",
     "workpiece.position",
     "workpiece.velocity",
     "workpiece.acceleration",
+    "piston.travel",
+    "valve_lift",
+    "nail.tip",
+    "nail.deepest",
+    "piston.moving_mass",
     "above_piston.pressure",
     "above_piston.temperature",
     "above_piston.mass",
@@ -66,13 +66,8 @@ const CHANNELS: [&str; 60] = [
     "supply.pressure",
     "supply.temperature",
     "supply.mass",
-    "intake.mass_flow",
-    "exhaust.mass_flow",
-    "valve_lift",
-    "nail.tip",
-    "nail.deepest",
-    "nail.force",
-    "nail.guide_force",
+    "piston_gas_force",
+    "valve_gas_force",
     "bumper.force",
     "stopper.force",
     "cap.force",
@@ -80,20 +75,33 @@ const CHANNELS: [&str; 60] = [
     "spring.force",
     "piston_friction.force",
     "valve_friction.force",
+    "nail.force",
     "nose.force",
     "guard.force",
     "support.force",
     "hand.force",
-    "push.force",
-    "thrust.force",
-    "vent.mass_flow",
-    "piston_gas_force",
-    "valve_gas_force",
+    "exhaust.mass_flow",
     "exhaust_plenum_pressure",
     "exhaust_back_pressure",
     "exhaust_stagnation_temperature",
+    "intake.mass_flow",
+    "vent.mass_flow",
     "vent_pressure",
     "vent_temperature",
+    "nail.guide_force",
+    "thrust.force",
+    "push.force",
+    "piston.speed",
+    "head_valve.travel",
+    "head_valve.speed",
+];
+
+/// Channels and columns of blocks that a design may switch off. Their histories are then zero, so that all designs by keys
+/// have the same columns.
+const SWITCHED: [[&str; 2]; 3] = [
+    ["hand.force", "hand_force"],
+    ["nail.guide_force", "magazine_force"],
+    ["thrust.force", "thrust_force"],
 ];
 
 /// Channels that the figures of a shot need: states at the start for its log, and what its summary reads.
@@ -168,14 +176,31 @@ impl<'p> Nailer<'p> {
         })
     }
 
-    /// The same nailer, whose record has only the histories that its figures need.
-    pub(super) fn for_figures(mut self) -> Self {
+    /// The same nailer, whose record has no forces and pressures on surfaces.
+    pub(super) fn without_surfaces(mut self) -> Self {
         self.assembly.loads.clear();
         self.assembly.pressures.clear();
-        self.assembly.columns.clear();
-        self.assembly.openings.retain(|opening| opening.name == "exhaust");
-        self.numerics.channels = Some(&CHANNELS_OF_FIGURES);
         self
+    }
+
+    /// The same nailer, whose record has only the histories that its figures need.
+    pub(super) fn for_figures(self) -> Self {
+        let mut nailer = self.without_surfaces();
+        nailer.assembly.columns.clear();
+        nailer.assembly.openings.retain(|opening| opening.name == "exhaust");
+        nailer.numerics.channels = Some(&CHANNELS_OF_FIGURES);
+        nailer
+    }
+
+    /// The record with the channels in their order, and zero for blocks that the design switches off.
+    pub(super) fn arranged(&self, mut record: Record) -> Record {
+        if self.numerics.channels.is_some_and(|own| own == CHANNELS) {
+            for [name, column] in SWITCHED {
+                record.add_zero(name, column, "N");
+            }
+            record.arrange(&CHANNELS);
+        }
+        record
     }
 
     /// Index of a body.

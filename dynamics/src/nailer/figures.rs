@@ -13,7 +13,8 @@ use crate::{ContactEnergy, CycleError, CycleRecord, EnergyFlow, Form, NailerFigu
 ///
 /// # Errors
 /// [`CycleError::Assembly`] if an outcome has another name than those of the nailer.
-pub(super) fn cycle_record(nailer: Nailer<'_>, mut record: Record) -> Result<CycleRecord, CycleError> {
+pub(super) fn cycle_record(nailer: Nailer<'_>, record: Record) -> Result<CycleRecord, CycleError> {
+    let mut record = nailer.arranged(record);
     let figures = figures(nailer.parameters, &record)?;
     record.events.retain(|event| is_event(&event.name));
     Ok(CycleRecord {

@@ -34,7 +34,19 @@ const NAIL: &str = "nail";
 /// [`CycleError`]. A value is out of range, the design is outside the model (spring range, overlapping laps, tool not
 /// seated, valve not closed), a dry fire occurs, a contact chatters, or the integration cannot continue.
 pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
-    let nailer = Nailer::new(parameters, settings)?;
+    run(Nailer::new(parameters, settings)?.without_surfaces())
+}
+
+/// Computes one nailing cycle like [`simulate`], with the forces and pressures on the surfaces of tool and workpiece,
+/// which drive their vibration.
+///
+/// # Errors
+/// The errors of [`simulate`].
+pub fn simulate_loads(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
+    run(Nailer::new(parameters, settings)?)
+}
+
+fn run(nailer: Nailer<'_>) -> Result<CycleRecord, CycleError> {
     let record = network::simulate(&nailer.assembly, &nailer.numerics).map_err(|error| nailer.error(error))?;
     figures::cycle_record(nailer, record)
 }
@@ -44,10 +56,8 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
 /// # Errors
 /// The errors of [`simulate`].
 pub fn simulate_figures(parameters: &Parameters, settings: &Settings) -> Result<(NailerFigures, Effort), CycleError> {
-    let nailer = Nailer::new(parameters, settings)?.for_figures();
-    let record = network::simulate(&nailer.assembly, &nailer.numerics).map_err(|error| nailer.error(error))?;
-    let work = record.work;
-    Ok((figures::cycle_record(nailer, record)?.figures, work))
+    let cycle = run(Nailer::new(parameters, settings)?.for_figures())?;
+    Ok((cycle.figures, cycle.record.work))
 }
 
 /// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the

@@ -220,6 +220,28 @@ impl Record {
         self.get(name).unwrap_or_default()
     }
 
+    /// Adds a channel that is zero, unless the record has one of this name.
+    pub(crate) fn add_zero(&mut self, name: &str, column: &str, unit: &str) {
+        if !self.index.contains_key(name) {
+            self.index.insert(name.to_owned(), self.channels.len());
+            self.channels.push(Channel {
+                name: name.to_owned(),
+                column: column.to_owned(),
+                unit: unit.to_owned(),
+                values: vec![0.0; self.len()],
+            });
+        }
+    }
+
+    /// Puts the channels in an order; those that it does not contain follow.
+    pub(crate) fn arrange(&mut self, order: &[&str]) {
+        let place = |channel: &Channel| order.iter().position(|name| *name == channel.name);
+        self.channels
+            .sort_by_cached_key(|channel| place(channel).unwrap_or(order.len()));
+        let names = self.channels.iter().map(|channel| channel.name.clone());
+        self.index = names.enumerate().map(|(place, name)| (name, place)).collect();
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.channels.first().map_or(0, |channel| channel.values.len())

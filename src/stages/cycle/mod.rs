@@ -9,7 +9,7 @@ mod shot;
 use std::sync::Arc;
 
 use nailnoise_dynamics::network::{self, Assembly, AssemblyText, Numerics, Record, RunError};
-use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate};
+use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate, simulate_loads};
 use serde::Serialize;
 
 use super::{Code, Progress, Stage, Uncached, code};
@@ -33,7 +33,7 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Computes the record.
+    /// Computes the record, without the loads on tool and workpiece.
     ///
     /// # Errors
     /// [`Error::Cycle`] if the tool cannot be computed.
@@ -125,7 +125,7 @@ impl Engine {
     /// [`Error::Cycle`] or [`Error::Network`] if the tool cannot be computed.
     pub fn shot(&self) -> Result<ShotRecord, Error> {
         match self {
-            Self::Keys(cycle) => Ok(ShotRecord::of_keys(cycle.record()?)),
+            Self::Keys(cycle) => Ok(ShotRecord::of_keys(simulate_loads(&cycle.parameters, &cycle.settings)?)),
             Self::Assembly(cycle) => {
                 let record = cycle.record()?;
                 Ok(ShotRecord::of_assembly(&cycle.assembly, record))
