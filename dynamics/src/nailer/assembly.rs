@@ -96,8 +96,8 @@ const CHANNELS: [&str; 60] = [
     "head_valve.speed",
 ];
 
-/// Channels and columns of blocks that a design may switch off. Their histories are then zero, so that all designs by keys
-/// have the same columns.
+/// Channels and columns of blocks that a design may switch off. Their histories are then zero, so that all designs by
+/// keys have the same columns.
 const SWITCHED: [[&str; 2]; 3] = [
     ["hand.force", "hand_force"],
     ["nail.guide_force", "magazine_force"],
