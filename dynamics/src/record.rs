@@ -25,10 +25,11 @@ use crate::{EnergyFlow, LogEntry};
 /// | `nail.guide_force` | friction of magazine and guide on the nail driven by the rod, up on it when it moves down |
 ///
 /// An acceleration excludes the jump at the impact of the rod on the nail. The openings `exhaust` and `vent` have the
-/// flow with the states before and behind it. Blocks that a design switches off have no channel.
+/// flow with the states before and behind it. The forces of blocks that a design switches off are zero.
 ///
-/// In the equations of motion, names are those of forces, `piston_gas` and `valve_gas` the channels `piston_gas_force`
-/// and `valve_gas_force`, `penetration` is `nail.force`, `magazine` is `nail.guide_force`, and M is the moving mass:
+/// In the equations of motion, a name is that of a channel `NAME.force`, with these exceptions: `piston_gas` and
+/// `valve_gas` are the channels `piston_gas_force` and `valve_gas_force`, `penetration` is `nail.force`, and `magazine`
+/// is `nail.guide_force`. M_t is the moving mass; the other M are the masses of the bodies.
 /// ```text
 /// M_t v_p' = piston_gas - bumper - stopper - penetration - piston_friction - magazine + M_t g
 /// M_h v_h' = valve_gas + spring - cap - seat - valve_friction + M_h g
@@ -84,7 +85,7 @@ impl CycleRecord {
         self.record.time(index)
     }
 
-    /// History of a quantity by its name; empty if the design switches its block off.
+    /// History of a quantity by its name; empty if the record does not have it.
     pub fn history(&self, name: &str) -> &[f64] {
         self.record.history(name)
     }

@@ -159,7 +159,7 @@ dimensions! {
     FORCE = [1, 1, -2, 0, 0, 0] "a force", "N", "N, kN, lbf", 0.001, 100000.0;
     PRESSURE = [-1, 1, -2, 0, 0, 0] "a pressure", "Pa", "Pa, kPa, MPa, GPa, bar, psi", 1.0, 1e13;
     STIFFNESS = [0, 1, -2, 0, 0, 0] "a stiffness", "N/m", "N/m, N/mm, kN/mm", 1.0, 1e15;
-    DAMPING = [0, 1, -1, 0, 0, 0] "a damping coefficient or a mass flow", "N s/m", "N s/m, N s/mm; kg/s, g/s",
+    DAMPING = [0, 1, -1, 0, 0, 0] "a mass flow (or damping coefficient)", "N s/m", "N s/m, N s/mm; kg/s, g/s",
         0.001, 1e7;
     STIFFNESS_PER_AREA = [-2, 1, -2, 0, 0, 0] "a stiffness per area", "N/m3", "N/m3, N/mm3", 1.0, 1e14;
     DENSITY = [-3, 1, 0, 0, 0, 0] "a density", "kg/m3", "kg/m3, g/cm3", 1.0, 30000.0;

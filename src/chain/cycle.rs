@@ -4,7 +4,7 @@ use nailnoise_dynamics::CycleRecord;
 
 use crate::design::{Design, inputs};
 use crate::error::Error;
-use crate::stages::cycle::{Cycle, Engine, Preset, ShotRecord};
+use crate::stages::cycle::{Cycle, Engine, ShotRecord};
 
 /// Computes the nailing cycle of a design.
 ///
@@ -33,19 +33,11 @@ pub(crate) fn engine(design: &Design) -> Result<Engine, Error> {
     })
 }
 
-/// Computes the nailing cycle of a design in a published form.
-///
-/// # Errors
-/// Same as [`cycle`].
-pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord, Error> {
-    cycle_stage(design)?.published(preset).record()
-}
-
 /// The cycle with a lumped workpiece.
 ///
 /// # Errors
 /// If the values of the design do not yield valid inputs.
-fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
+pub(crate) fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
     Ok(Cycle {
         parameters: inputs::cycle::parameters(design)?,
         settings: inputs::cycle::cycle_settings(design),

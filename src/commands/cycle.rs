@@ -10,10 +10,10 @@ use serde::Serialize;
 use super::assembly::Asked;
 use super::{Common, Status, print, print_json, status_of, table, warn};
 use crate::atomic_write::AtomicWrite;
+use crate::chain;
 use crate::cost;
 use crate::design::Design;
 use crate::design::inputs::assembly::AssembledTool;
-use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::output::{self, Exports};
@@ -167,14 +167,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 
 /// The cycle of a design, in a published form or with points of a penetration law.
 fn cycle(design: &Design, preset: Option<Preset>, penetration_table: Option<&Path>) -> Result<Cycle, Error> {
-    let mut parameters = parameters(design)?;
+    let mut cycle = chain::cycle_stage(design)?;
     if let Some(path) = penetration_table {
-        parameters.penetration_table = Some(penetration::table(path)?);
+        cycle.parameters.penetration_table = Some(penetration::table(path)?);
     }
-    let cycle = Cycle {
-        parameters,
-        settings: cycle_settings(design),
-    };
     Ok(match preset {
         Some(preset) => cycle.published(preset),
         None => cycle,

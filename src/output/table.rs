@@ -60,7 +60,7 @@ fn plain(field: &[u8]) -> Vec<u8> {
 const COARSE: f64 = 1e-5;
 
 /// Stride that thins samples with this interval \[s\] to that of the table, without interpolation.
-pub(super) fn coarse(interval: f64) -> usize {
+fn coarse(interval: f64) -> usize {
     (COARSE / interval - 1e-6).ceil().max(1.0) as usize
 }
 

@@ -33,7 +33,7 @@ const VOLUMES: [(&str, &str); 5] = [
 ];
 
 /// Channels of the record in their order, which is that of the columns of its files. Later versions append to it.
-const CHANNELS: [&str; 60] = [
+const CHANNELS: [&str; 59] = [
     "piston.position",
     "piston.velocity",
     "piston.acceleration",
@@ -90,7 +90,6 @@ const CHANNELS: [&str; 60] = [
     "vent_temperature",
     "nail.guide_force",
     "thrust.force",
-    "push.force",
     "piston.speed",
     "head_valve.travel",
     "head_valve.speed",
@@ -98,11 +97,7 @@ const CHANNELS: [&str; 60] = [
 
 /// Channels and columns of blocks that a design may switch off. Their histories are then zero, so that all designs by
 /// keys have the same columns.
-const SWITCHED: [[&str; 2]; 3] = [
-    ["hand.force", "hand_force"],
-    ["nail.guide_force", "magazine_force"],
-    ["thrust.force", "thrust_force"],
-];
+const SWITCHED: [[&str; 2]; 2] = [["nail.guide_force", "magazine_force"], ["thrust.force", "thrust_force"]];
 
 /// Channels that the figures of a shot need: states at the start for its log, and what its summary reads.
 const CHANNELS_OF_FIGURES: [&str; 17] = [

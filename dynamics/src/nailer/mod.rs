@@ -28,7 +28,8 @@ const WORKPIECE: &str = "workpiece";
 const NAIL: &str = "nail";
 
 /// Computes one nailing cycle, from the trigger pull to 5 ms after the piston comes to rest at the top. It ends no
-/// later than `settings.end` or the landing of the tool.
+/// later than `settings.end` or the landing of the tool. Its record has no forces and pressures on surfaces;
+/// [`simulate_loads`] records them.
 ///
 /// # Errors
 /// [`CycleError`]. A value is out of range, the design is outside the model (spring range, overlapping laps, tool not
@@ -60,7 +61,7 @@ pub fn simulate_figures(parameters: &Parameters, settings: &Settings) -> Result<
     Ok((cycle.figures, cycle.record.work))
 }
 
-/// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the
+/// Computes one nailing cycle like [`simulate_loads`] on an external workpiece, coupled in both directions: the forces of the
 /// cycle act on the structure, its motion acts on the cycle, and both are consistent at every sample.
 ///
 /// The record's workpiece is then the surface under the nose, and its support that of the structure.

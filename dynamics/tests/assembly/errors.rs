@@ -112,7 +112,7 @@ fn names_must_exist_and_be_unique() {
         ),
         (
             "[cycle.event.t0]\nat = \"exhaust choked\"",
-            &["which is no time", "becomes = \"exhaust choked\" instead"],
+            &["which is no time", "replace it by becomes = \"exhaust choked\""],
         ),
         (
             "[cycle.contact.bumper]\nat = \"piston.stroke - 5 mm\"",
@@ -125,7 +125,7 @@ fn names_must_exist_and_be_unique() {
         ("[cycle.volume.supply]\npressure = \"7 bar(g)\"", &["psi, barg, psig"]),
         (
             "[cycle.event.t4]\nbecomes = \"leak.mass_flow > 0.01\"",
-            &["a damping coefficient or a mass flow and a plain number"],
+            &["a mass flow (or damping coefficient) and a plain number"],
         ),
         (
             "[cycle.event.t4]\nbecomes = \"above_piston hits\"",

@@ -38,7 +38,7 @@ impl<'a> OpeningFigures<'a> {
         assembly: &Assembly,
     ) -> Option<Self> {
         let samples = flow.mass_flow.iter().copied().enumerate();
-        let (peak, peak_mass_flow) = samples.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let (peak, peak_mass_flow) = samples.reduce(|first, next| if next.1 > first.1 { next } else { first })?;
         let mut choked = flow.choked.iter().enumerate().filter(|(_, choked)| **choked);
         let first = choked.next().map(|(sample, _)| sample);
         let last = choked.next_back().map(|(sample, _)| sample).or(first);
@@ -59,18 +59,19 @@ impl<'a> OpeningFigures<'a> {
         })
     }
 
-    /// Name, mass, largest flow with its time, and the time of choked flow.
+    /// Name, mass, largest flow and its time, first and last time of choked flow.
     pub(super) fn row(&self) -> Vec<String> {
         let milli = |value: f64| format!("{:.3}", 1e3 * value);
         let choked = |[from, to]: [f64; 2]| format!("{} to {}", milli(from), milli(to));
         vec![
             self.name.to_owned(),
             self.mass.map_or_else(|| "-".to_owned(), milli),
-            format!("{} at {}", milli(self.peak_mass_flow), milli(self.peak_time)),
+            milli(self.peak_mass_flow),
+            milli(self.peak_time),
             self.choked.map_or_else(|| "never".to_owned(), choked),
         ]
     }
 }
 
 /// Headings of [`OpeningFigures::row`].
-pub(super) const HEADINGS: [&str; 4] = ["opening", "mass g", "largest flow g/s at ms", "choked ms"];
+pub(super) const HEADINGS: [&str; 5] = ["opening", "mass g", "largest flow g/s", "at ms", "choked ms"];

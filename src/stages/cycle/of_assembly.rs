@@ -40,7 +40,7 @@ impl ShotRecord {
         }
     }
 
-    /// The shot of the tool described by keys.
+    /// The shot of the tool described by keys, from a cycle with the loads on its surfaces.
     pub fn of_keys(cycle: CycleRecord) -> Self {
         Self {
             outcome: cycle.figures.outcome.name().to_owned(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nailnoise_dynamics::network::{EventTime, FlowHistory, LoadHistory, PressureHistory, Record};
+use nailnoise_dynamics::network::{EventTime, LoadHistory, PressureHistory, Record};
 use nailnoise_dynamics::{CycleRecord, NailerFigures, Summary};
 use nailnoise_quantities::Check;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -159,11 +159,6 @@ impl ShotRecord {
             SummaryFigures::Keys(summary) => summary.exhaust_mass + summary.vent_mass,
             SummaryFigures::Assembly(figures) => of_figures(figures),
         }
-    }
-
-    /// Flow through the opening with this name.
-    pub fn opening(&self, name: &str) -> Option<&FlowHistory> {
-        self.record.opening(name)
     }
 }
 

@@ -396,14 +396,10 @@ impl Fault {
             Self::Kind { expected, .. } => format!("give {expected}"),
             Self::Dimension { units, .. } => format!("give a value in {units}"),
             Self::Literal { text, units, .. } => {
-                let is_formula = text
-                    .trim_start()
-                    .starts_with(|first: char| first.is_alphabetic() || first == '(');
-                let example = if is_formula {
-                    format!(", as \"={}\"", text.trim())
-                } else {
-                    String::new()
-                };
+                let text = text.trim();
+                let begins = text.starts_with(|first: char| first.is_alphabetic() || first == '(');
+                let is_formula = begins && text.contains(['.', '+', '-', '*', '/', '(']);
+                let example = is_formula.then(|| format!(", as \"={text}\"")).unwrap_or_default();
                 format!("give a number with a unit ({units}), or a formula that begins with \"=\"{example}")
             }
             Self::Domain { .. } => "correct the value or its unit".to_owned(),
@@ -423,7 +419,7 @@ impl Fault {
             Self::WordForTime { word, known } => {
                 let near = nearest(known.iter().map(String::as_str), word).or(known.first().map(String::as_str));
                 let word = near.unwrap_or_default();
-                format!("give a time, as \"5 ms\"; the event of a word has becomes = \"{word}\" instead")
+                format!("give a time, as \"5 ms\", or replace it by becomes = \"{word}\"")
             }
             Self::WordForCondition { known, .. } if known.is_empty() => logged(known),
             Self::WordForCondition { word, known } => {

@@ -333,7 +333,9 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &ShotRecord, shot: &ShotRe
     let (mut main, mut method) = (None::<MainJet>, None);
     for own in &inputs.openings {
         let of = own.exhaust.as_ref().map_or(shot, |_| through_holes);
-        let Some(record) = of.opening(&own.flow) else { continue };
+        let Some(record) = of.record.opening(&own.flow) else {
+            continue;
+        };
         let muffler = own.exhaust.as_ref().and_then(|exhaust| exhaust.muffler.as_ref());
         let chamber = matches!(muffler, Some(Muffler::Chamber { .. }));
         let flow = FlowHistory {

@@ -27,8 +27,8 @@ impl Blow {
             Self::Rigid => {
                 "the driver strikes the fastener as a rigid body; the error of the method does not contain the waves \
                  of the blow, which change the level of the workpiece by -0.8 to +0.5 dB on a worktable and -1.8 to \
-                 +1.1 dB in sand (90 % of shots of the N80CB), its third octaves at 5, 8 and 10 kHz by 1 to 2 dB; an \
-                 elastic blow contains them"
+                 +1.1 dB in sand (90 % of shots of the N80CB) and raise its third octaves at 5, 8 and 10 kHz by 1 to \
+                 2 dB; an elastic blow contains them"
             }
             Self::Elastic => {
                 "the waves of the blow on the fastener converge up to 3.15 kHz; from 6.3 kHz on the force on the wood \

@@ -160,8 +160,8 @@ fn condition(
     node: &Node,
     sensors: &[Option<Dimension>],
 ) -> Result<Condition, AssemblyError> {
-    const EXPECTED: &str = "a condition, as \"piston.travel > 1 mm\"; the event of a word has becomes = \"NAME WORD\", \
-                            as \"bumper closes\"";
+    const EXPECTED: &str = "a condition, as \"piston.travel > 1 mm\", or in `becomes` the word of a block, as \"bumper \
+                            closes\"";
     let wrong = |found: String| {
         let expected = EXPECTED.to_owned();
         fields.resolver.error(path, &node.spot, Fault::Kind { found, expected })
