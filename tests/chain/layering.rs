@@ -201,7 +201,7 @@ const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
         &["workpiece"],
         "a body of an assembly",
     ),
-    ("src/output", &["workpiece", "body"], "a body of the cycle, headings"),
+    ("src/output", &["body"], "headings"),
     ("src/report", &["workpiece", "body"], "headings"),
     (
         "src/stages/bodies",

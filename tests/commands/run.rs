@@ -89,6 +89,7 @@ fn run_writes_every_file() {
         "power.csv",
         "events.csv",
         "histories.csv",
+        "openings.csv",
         "fields/workpiece.vtu",
         "fields/worktable.vtu",
         "modes.csv",
@@ -257,10 +258,10 @@ fn films_and_whole_histories_are_written_where_they_are_asked_for() {
     ];
     run(&[]);
     assert!(films.iter().all(|film| !out.join(film).exists()));
-    let few = ["histories.csv", "sensors.csv"].map(rows);
+    let few = ["histories.csv", "openings.csv", "sensors.csv"].map(rows);
     run(&["--histories", "--fields"]);
     assert!(films.iter().all(|film| out.join(film).exists()));
-    for (few, all) in few.into_iter().zip(["histories.csv", "sensors.csv"].map(rows)) {
+    for (few, all) in few.into_iter().zip(["histories.csv", "openings.csv", "sensors.csv"].map(rows)) {
         assert!(all > 2 * few, "{few} of {all}");
     }
     // The films of another shot do not stay with a new one.

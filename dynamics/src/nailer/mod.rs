@@ -61,8 +61,8 @@ pub fn simulate_figures(parameters: &Parameters, settings: &Settings) -> Result<
     Ok((cycle.figures, cycle.record.work))
 }
 
-/// Computes one nailing cycle like [`simulate_loads`] on an external workpiece, coupled in both directions: the forces of the
-/// cycle act on the structure, its motion acts on the cycle, and both are consistent at every sample.
+/// Computes one nailing cycle like [`simulate_loads`] on an external workpiece, coupled in both directions: the forces
+/// of the cycle act on the structure, its motion acts on the cycle, and both are consistent at every sample.
 ///
 /// The record's workpiece is then the surface under the nose, and its support that of the structure.
 ///

@@ -157,17 +157,16 @@ fn a_rigid_blow_has_no_bars() {
 /// The equation of motion of the piston gives the sum of the forces of gas, stops, friction and guide.
 #[test]
 fn the_push_on_the_driver_is_the_sum_of_its_forces() {
-    // No friction in the magazine, which therefore has no channel.
-    assert_eq!(n80cb().nail.magazine_friction, 0.0);
     let names = [
         "piston_gas_force",
         "bumper.force",
         "stopper.force",
         "piston_friction.force",
+        "nail.guide_force",
     ];
-    let [gas, bumper, stopper, friction] = names.map(|name| BASE.history(name));
+    let [gas, bumper, stopper, friction, magazine] = names.map(|name| BASE.history(name));
     for (n, push) in course().push(base_input().gravity).into_iter().enumerate() {
-        let sum = gas[n] - bumper[n] - stopper[n] - friction[n];
+        let sum = gas[n] - bumper[n] - stopper[n] - friction[n] - magazine[n];
         assert!((push - sum).abs() < 1e-7, "{push} N for {sum} N at sample {n}");
     }
 }

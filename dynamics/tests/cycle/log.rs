@@ -133,6 +133,7 @@ fn the_exhaust_is_choked_between_the_logged_times() {
         first(Crossing::HolesChoked, Direction::Falling, 0.0).unwrap(),
     );
     let choked = &r.record.opening("exhaust").unwrap().choked;
+    assert_eq!(choked.len(), r.len());
     for (i, choked) in choked.iter().enumerate() {
         assert_eq!(*choked, r.time(i) >= from && r.time(i) < to, "{i}");
     }

@@ -43,8 +43,7 @@ fn internal_forces_cancel(p: &Parameters, r: &CycleRecord) {
             + masses[0] * r.history("head_valve.acceleration")[i]
             + masses[1] * r.history("tool.acceleration")[i]
             + masses[2] * r.history("workpiece.acceleration")[i];
-        // Without a share of the jets along the axis, the thrust is switched off.
-        let thrust = r.history("thrust.force").get(i).copied().unwrap_or(0.0);
+        let thrust = r.history("thrust.force")[i];
         let weight = (moving + masses.iter().sum::<f64>()) * p.ambient.gravity;
         let outer = r.history("hand.force")[i] + thrust - r.history("support.force")[i] + weight;
         assert!((inertia - outer).abs() < 1e-6, "sample {i}: {inertia} N, {outer} N");

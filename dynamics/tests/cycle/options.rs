@@ -23,6 +23,9 @@ fn options_are_off_in_the_base_design() {
         ),
         (0.0, 0.0, 0.0, 0.0)
     );
+    for channel in ["hand.force", "nail.guide_force", "thrust.force"] {
+        assert_eq!(r.history(channel).len(), r.len(), "{channel}");
+    }
     assert!(r.history("hand.force").iter().all(|f| *f == p.hand.force));
     assert!(
         r.history("nail.guide_force")

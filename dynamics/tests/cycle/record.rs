@@ -1,9 +1,9 @@
 //! The record of a nailer is that of its assembly.
 
 use nailnoise_dynamics::network::{Numerics, Record, simulate};
-use nailnoise_dynamics::{Geometry, Outcome, Settings};
+use nailnoise_dynamics::{Geometry, Outcome, Settings, simulate_figures, simulate_loads};
 
-use crate::BASE;
+use crate::{BASE, run};
 use crate::common::n80cb;
 use crate::n80cb_assembly::n80cb_assembly;
 
@@ -62,5 +62,54 @@ fn gas_forces_are_pressures_on_the_areas_of_the_geometry() {
         let gauge = |volume: &str| r.history(&format!("{volume}.pressure"))[n] - p.ambient.pressure;
         let piston = gauge("above_piston") * g.piston_area - gauge("below_piston") * g.ring_area;
         assert!((gas[n] - piston).abs() < 1e-9, "{n}: {} {piston} N", gas[n]);
+    }
+}
+
+#[test]
+fn figures_are_the_same_without_histories() {
+    for p in [n80cb(), n80cb().published_all()] {
+        let (figures, work) = simulate_figures(&p, &Settings::default()).unwrap();
+        let whole = run(&p);
+        assert_eq!((figures, work.steps), (whole.figures, whole.record.work.steps));
+    }
+}
+
+/// Forces on the surfaces of the housing, from gauge pressures on the areas of the geometry and forces of the stops.
+#[test]
+fn loads_on_the_housing_are_gas_on_its_surfaces_and_forces_of_its_stops() {
+    let (p, r) = (n80cb(), &*BASE);
+    let g = Geometry::new(&p);
+    let loaded = simulate_loads(&p, &Settings::default()).unwrap();
+    assert_eq!(loaded.record.channels, r.record.channels);
+    assert!(r.record.loads.is_empty() && r.record.pressures.is_empty());
+    assert_eq!(loaded.record.pressures.len(), 4);
+    let within = 0.25 * std::f64::consts::PI * p.head_valve.inner_diameter.powi(2);
+    let force = |name: &str, n: usize| r.history(&format!("{name}.force"))[n];
+    let over = |volume: &str, n: usize| r.history(&format!("{volume}.pressure"))[n] - p.ambient.pressure;
+    let expected = |surface: &str, n: usize| match surface {
+        "roof" => force("stopper", n) - over("above_piston", n) * within,
+        "cap" => {
+            let stops = force("cap", n) - force("spring", n) + force("valve_friction", n) + force("thrust", n);
+            stops - over("above_valve", n) * g.valve_control_area
+        }
+        "rim" => {
+            let underside = within + g.valve_cylinder_area - g.piston_area;
+            force("seat", n) + over("above_piston", n) * underside + over("supply", n) * g.valve_supply_area
+        }
+        "floor" => force("bumper", n) + over("below_piston", n) * g.ring_area,
+        "bore" => force("piston_friction", n),
+        "nose" => r.history("nail.guide_force")[n] - force("nose", n) - force("guard", n),
+        "handle" => force("hand", n),
+        other => panic!("{other}"),
+    };
+    let loads = loaded.record.loads.iter().filter(|load| load.body == "tool");
+    let surfaces: Vec<&str> = loads.clone().map(|load| load.surface.as_str()).collect();
+    assert_eq!(surfaces.len(), 7, "{surfaces:?}");
+    for load in loads {
+        let peak = load.force.iter().fold(1.0f64, |peak, force| peak.max(force.abs()));
+        for n in (0..r.len()).step_by(50) {
+            let (found, expected) = (load.force[n], expected(&load.surface, n));
+            assert!((found - expected).abs() < 1e-9 * peak, "{} {n}: {found} {expected} N", load.surface);
+        }
     }
 }
