@@ -261,7 +261,10 @@ fn films_and_whole_histories_are_written_where_they_are_asked_for() {
     let few = ["histories.csv", "openings.csv", "sensors.csv"].map(rows);
     run(&["--histories", "--fields"]);
     assert!(films.iter().all(|film| out.join(film).exists()));
-    for (few, all) in few.into_iter().zip(["histories.csv", "openings.csv", "sensors.csv"].map(rows)) {
+    for (few, all) in few
+        .into_iter()
+        .zip(["histories.csv", "openings.csv", "sensors.csv"].map(rows))
+    {
         assert!(all > 2 * few, "{few} of {all}");
     }
     // The films of another shot do not stay with a new one.

@@ -3,9 +3,9 @@
 use nailnoise_dynamics::network::{Numerics, Record, simulate};
 use nailnoise_dynamics::{Geometry, Outcome, Settings, simulate_figures, simulate_loads};
 
-use crate::{BASE, run};
 use crate::common::n80cb;
 use crate::n80cb_assembly::n80cb_assembly;
+use crate::{BASE, run};
 
 fn assembly_record() -> Record {
     let settings = Settings::default();
@@ -109,7 +109,11 @@ fn loads_on_the_housing_are_gas_on_its_surfaces_and_forces_of_its_stops() {
         let peak = load.force.iter().fold(1.0f64, |peak, force| peak.max(force.abs()));
         for n in (0..r.len()).step_by(50) {
             let (found, expected) = (load.force[n], expected(&load.surface, n));
-            assert!((found - expected).abs() < 1e-9 * peak, "{} {n}: {found} {expected} N", load.surface);
+            assert!(
+                (found - expected).abs() < 1e-9 * peak,
+                "{} {n}: {found} {expected} N",
+                load.surface
+            );
         }
     }
 }
