@@ -399,7 +399,11 @@ impl Fault {
                 let text = text.trim();
                 let begins = text.starts_with(|first: char| first.is_alphabetic() || first == '(');
                 let is_formula = begins && text.contains(['.', '+', '-', '*', '/', '(']);
-                let example = is_formula.then(|| format!(", as \"={text}\"")).unwrap_or_default();
+                let example = if is_formula {
+                    format!(", as \"={text}\"")
+                } else {
+                    String::new()
+                };
                 format!("give a number with a unit ({units}), or a formula that begins with \"=\"{example}")
             }
             Self::Domain { .. } => "correct the value or its unit".to_owned(),
