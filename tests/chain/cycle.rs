@@ -81,8 +81,8 @@ fn every_number_of_the_tool_reaches_the_model() {
     assert!(tried > 80, "{tried} keys tried");
 }
 
-/// Names and order of the columns are an interface, which does not depend on the switches of a design; a version may
-/// append some.
+/// The names and the order of the columns are an interface. The switches of a design do not change them, and a later
+/// version may append columns.
 #[test]
 fn columns_of_a_design_by_keys_keep_their_names_and_order() {
     let of = |quantities: &[&str], blocks: &[&str]| -> Vec<String> {

@@ -461,7 +461,7 @@ pub(crate) fn peaked(plan: &Plan) -> Vec<Peak> {
         .collect()
 }
 
-/// Name of the restriction that logs a word; empty for words of other blocks and of passages as a whole.
+/// Name of the restriction that logs a word; empty if a whole passage or another block logs it.
 pub(crate) fn restriction_name(plan: &Plan, word: Word) -> String {
     if word.block.family != Family::Passage || !word.action.is_of_restriction() {
         return String::new();

@@ -406,7 +406,7 @@ fn an_error_of_a_change_is_in_the_file_that_makes_it() {
     assert!(message.contains("more than one of area, ramp"), "{message}");
 }
 
-/// The passage `exhaust` then leads to the chamber, and the jet of the N80CB names it.
+/// The jet of the N80CB names the passage `exhaust`, which the change connects to another volume.
 #[test]
 fn an_error_of_a_base_names_the_change_that_causes_it() {
     let (message, error) = refusal(

@@ -84,7 +84,9 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     if asked.json {
         print_json(&result)?;
     } else {
-        asked.shown.print(&text(tool, &record, asked.shown.units))?;
+        asked
+            .shown
+            .print(&text(tool, &record, &result.openings, asked.shown.units))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
         for file in &drawn {
             print(&format!("  {}\n", file.display()))?;
@@ -142,7 +144,7 @@ fn largest_values(assembly: &Assembly, record: &Record) -> Vec<Vec<String>> {
     rows
 }
 
-fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
+fn text(tool: &AssembledTool, record: &Record, openings: &[OpeningFigures<'_>], units: Units) -> String {
     let mut text = format!("{}\n\n", headline(tool, record));
     let mut section = |headings: &[&str], rows: Vec<Vec<String>>| {
         if !rows.is_empty() {
@@ -159,7 +161,6 @@ fn text(tool: &AssembledTool, record: &Record, units: Units) -> String {
         .peaks
         .iter()
         .map(|peak| vec![peak.block.clone(), format!("{:.1}", peak.force)]);
-    let openings = OpeningFigures::of(&tool.resolved.assembly, record);
     section(&HEADINGS, openings.iter().map(OpeningFigures::row).collect());
     section(&["peak force", "N"], peaks.collect());
     section(&["figure", "value"], largest_values(&tool.resolved.assembly, record));

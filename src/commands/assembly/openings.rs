@@ -1,8 +1,9 @@
 //! Figures of the flow through each opening of a cycle.
 
-use nailnoise_dynamics::network::assembly::{Opening, Space};
 use nailnoise_dynamics::network::{Assembly, FlowHistory, Record};
 use serde::Serialize;
+
+use crate::stages::cycle::outflows;
 
 /// Figures of the flow through an opening to the atmosphere.
 #[derive(Debug, Serialize)]
@@ -22,40 +23,30 @@ pub(super) struct OpeningFigures<'a> {
 impl<'a> OpeningFigures<'a> {
     /// The openings of a record, in the order of the assembly; none without samples.
     pub(super) fn of(assembly: &Assembly, record: &'a Record) -> Vec<Self> {
-        let Some(interval) = record.interval else {
-            return Vec::new();
-        };
+        let outflows = outflows(assembly);
         let pairs = assembly.openings.iter().zip(&record.openings);
-        let all = pairs.filter_map(|(opening, flow)| Self::new(opening, flow, interval, record, assembly));
-        all.collect()
+        let figures = pairs.filter_map(|(opening, flow)| {
+            let balance = format!("mass.{}", assembly.passages.get(opening.passage)?.name);
+            let sign = outflows.iter().find(|(name, _)| *name == balance);
+            let sign = sign.map_or(1.0, |(_, sign)| *sign);
+            Self::new(flow, record, record.integral(&balance).map(|mass| sign * mass))
+        });
+        figures.collect()
     }
 
-    fn new(
-        opening: &Opening,
-        flow: &'a FlowHistory,
-        interval: f64,
-        record: &Record,
-        assembly: &Assembly,
-    ) -> Option<Self> {
+    fn new(flow: &'a FlowHistory, record: &Record, mass: Option<f64>) -> Option<Self> {
         let samples = flow.mass_flow.iter().copied().enumerate();
         let (peak, peak_mass_flow) = samples.reduce(|first, next| if next.1 > first.1 { next } else { first })?;
-        let mut choked = flow.choked.iter().enumerate().filter(|(_, choked)| **choked);
-        let first = choked.next().map(|(sample, _)| sample);
-        let last = choked.next_back().map(|(sample, _)| sample).or(first);
-        let time = |sample: usize| interval * sample as f64;
-        let passage = assembly.passages.get(opening.passage)?;
-        let outward = if matches!(passage.to, Space::Reservoir(_)) {
-            1.0
-        } else {
-            -1.0
-        };
-        let mass = record.integral(&format!("mass.{}", passage.name));
+        let first = flow.choked.iter().position(|choked| *choked);
+        let last = flow.choked.iter().rposition(|choked| *choked);
         Some(Self {
             name: &flow.name,
-            mass: mass.map(|mass| outward * mass),
+            mass,
             peak_mass_flow,
-            peak_time: time(peak),
-            choked: first.zip(last).map(|(first, last)| [time(first), time(last)]),
+            peak_time: record.time(peak),
+            choked: first
+                .zip(last)
+                .map(|(first, last)| [first, last].map(|at| record.time(at))),
         })
     }
 

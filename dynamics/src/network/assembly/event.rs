@@ -123,7 +123,7 @@ pub enum Action {
 }
 
 impl Action {
-    /// Whether a restriction of a passage logs it, not the passage as a whole.
+    /// Whether one restriction of a passage logs the word, rather than the whole passage.
     pub(crate) fn is_of_restriction(self) -> bool {
         matches!(self, Self::Opens | Self::Shuts | Self::Uncovered | Self::Covered)
     }

@@ -82,7 +82,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         &self.node.get(key).unwrap_or(self.node).spot
     }
 
-    /// An error of a field; if it names what a nearer file removes or changes, with that change.
+    /// The error of a field. If a nearer file removes or changes the block that it names, the error states that change.
     pub(super) fn error(&self, key: &str, fault: Fault) -> AssemblyError {
         let text = self.resolver.text;
         let name = match &fault {
