@@ -238,8 +238,7 @@ impl Record {
         let place = |channel: &Channel| order.iter().position(|name| *name == channel.name);
         self.channels
             .sort_by_cached_key(|channel| place(channel).unwrap_or(order.len()));
-        let names = self.channels.iter().map(|channel| channel.name.clone());
-        self.index = names.enumerate().map(|(place, name)| (name, place)).collect();
+        self.index = index_of(&self.channels);
     }
 
     /// Number of samples.
@@ -386,11 +385,7 @@ impl Record {
         Self {
             interval,
             end,
-            index: channels
-                .iter()
-                .enumerate()
-                .map(|(i, channel)| (channel.name.clone(), i))
-                .collect(),
+            index: index_of(&channels),
             openings: flows,
             loads: forces,
             pressures: walls,
@@ -469,4 +464,10 @@ pub(crate) fn restriction_name(plan: &Plan, word: Word) -> String {
     let passage = plan.assembly.passages.get(word.block.index);
     let found = passage.and_then(|passage| passage.restrictions.get(word.restriction));
     found.map_or_else(String::new, |restriction| restriction.name.clone())
+}
+
+/// Places of the channels by name.
+fn index_of(channels: &[Channel]) -> HashMap<String, usize> {
+    let names = channels.iter().map(|channel| channel.name.clone());
+    names.zip(0..).collect()
 }

@@ -3,7 +3,7 @@
 use nailnoise_dynamics::network::{Assembly, FlowHistory, Record};
 use serde::Serialize;
 
-use crate::stages::cycle::outflows;
+use crate::stages::cycle::discharged_masses;
 
 /// Figures of the flow through an opening to the atmosphere.
 #[derive(Debug, Serialize)]
@@ -23,15 +23,8 @@ pub(super) struct OpeningFigures<'a> {
 impl<'a> OpeningFigures<'a> {
     /// The openings of a record, in the order of the assembly; none without samples.
     pub(super) fn of(assembly: &Assembly, record: &'a Record) -> Vec<Self> {
-        let outflows = outflows(assembly);
-        let pairs = assembly.openings.iter().zip(&record.openings);
-        let figures = pairs.filter_map(|(opening, flow)| {
-            let balance = format!("mass.{}", assembly.passages.get(opening.passage)?.name);
-            let sign = outflows.iter().find(|(name, _)| *name == balance);
-            let sign = sign.map_or(1.0, |(_, sign)| *sign);
-            Self::new(flow, record, record.integral(&balance).map(|mass| sign * mass))
-        });
-        figures.collect()
+        let flows = record.openings.iter().zip(discharged_masses(assembly, record));
+        flows.filter_map(|(flow, mass)| Self::new(flow, record, mass)).collect()
     }
 
     fn new(flow: &'a FlowHistory, record: &Record, mass: Option<f64>) -> Option<Self> {

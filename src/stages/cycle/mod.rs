@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
-pub(crate) use of_assembly::{UNNAMED, WORKPIECE, figure_unit, outflows, stops_on_housing};
+pub(crate) use of_assembly::{UNNAMED, WORKPIECE, discharged_masses, figure_unit, outflows, stops_on_housing};
 pub(crate) use shot::TOOL;
 pub use shot::{
     BORE, Body, EventTimes, EventWords, NailerShot, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures,

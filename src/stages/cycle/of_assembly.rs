@@ -7,9 +7,9 @@
 use std::collections::BTreeMap;
 
 use nailnoise_dynamics::network::assembly::{
-    self, Base, Channel, Contact, Expression, Family, Passage, Quantity, Space,
+    self, Base, Channel, Contact, Expression, Family, Opening, Passage, Quantity, Space,
 };
-use nailnoise_dynamics::network::{Assembly, FlowHistory, LoadHistory, Record};
+use nailnoise_dynamics::network::{Assembly, LoadHistory, Record};
 use nailnoise_dynamics::{CycleRecord, critical_ratio};
 use nailnoise_penetration::RateLaw;
 
@@ -311,11 +311,8 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
             figures.insert(format!("{}_depth", fastener.name), *depth);
         }
     }
-    let openings = assembly.openings.iter().zip(&record.openings);
-    for (opening, flow) in openings {
-        if let Some(mass) = discharged_mass(assembly, record, opening.passage, flow) {
-            figures.insert(format!("{}_mass", opening.name), mass);
-        }
+    for (opening, mass) in assembly.openings.iter().zip(discharged_masses(assembly, record)) {
+        figures.extend(mass.map(|mass| (format!("{}_mass", opening.name), mass)));
     }
     for volume in assembly.volumes.iter().filter(|volume| volume.exhaust_path) {
         if let Some(fraction) = choked_fraction(assembly, record, &volume.name) {
@@ -360,24 +357,31 @@ fn choked_fraction(assembly: &Assembly, record: &Record, volume: &str) -> Option
 /// Balances of the mass that leaves a tool for its surroundings, by name and sign: of passages from a volume to a
 /// reservoir, and of openings that are written the other way. What a supply hose fills in is not among them.
 pub(crate) fn outflows(assembly: &Assembly) -> Vec<(String, f64)> {
+    let is_opening = |index| assembly.openings.iter().any(|opening| opening.passage == index);
     let passages = assembly.passages.iter().enumerate();
-    let outward = |(index, own): (usize, &Passage)| {
-        let is_opening = || assembly.openings.iter().any(|opening| opening.passage == index);
-        let sign = match (own.from, own.to) {
-            (Space::Volume(_), Space::Reservoir(_)) => 1.0,
-            (Space::Reservoir(_), Space::Volume(_)) if is_opening() => -1.0,
-            _ => return None,
-        };
-        Some((format!("mass.{}", own.name), sign))
-    };
-    passages.filter_map(outward).collect()
+    let leaves = passages.filter(|(index, own)| match (own.from, own.to) {
+        (Space::Volume(_), Space::Reservoir(_)) => true,
+        (Space::Reservoir(_), Space::Volume(_)) => is_opening(*index),
+        _ => false,
+    });
+    leaves.map(|(_, own)| outflow(own)).collect()
 }
 
-/// Mass that leaves through an opening's passage \[kg\].
-fn discharged_mass(assembly: &Assembly, record: &Record, passage: usize, flow: &FlowHistory) -> Option<f64> {
-    let own = assembly.passages.get(passage)?;
-    let outward = matches!(own.to, Space::Reservoir(_));
-    let integral = record.integral(&format!("mass.{}", own.name));
-    let integral = integral.map(|mass| if outward { mass } else { -mass });
-    integral.or_else(|| Some(flow.mass_flow.iter().sum::<f64>() * record.interval?))
+/// Name and sign of the balance of a passage to a reservoir, written in either direction.
+fn outflow(passage: &Passage) -> (String, f64) {
+    let sign = if matches!(passage.to, Space::Reservoir(_)) {
+        1.0
+    } else {
+        -1.0
+    };
+    (format!("mass.{}", passage.name), sign)
+}
+
+/// Mass that leaves through each opening, less what enters \[kg\]; none if the record does not balance it.
+pub(crate) fn discharged_masses(assembly: &Assembly, record: &Record) -> Vec<Option<f64>> {
+    let mass = |opening: &Opening| {
+        let (balance, sign) = outflow(assembly.passages.get(opening.passage)?);
+        Some(sign * record.integral(&balance)?)
+    };
+    assembly.openings.iter().map(mass).collect()
 }

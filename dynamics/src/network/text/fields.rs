@@ -85,15 +85,13 @@ impl<'r, 'a> Fields<'r, 'a> {
     /// The error of a field. If a nearer file removes or changes the block that it names, the error states that change.
     pub(super) fn error(&self, key: &str, fault: Fault) -> AssemblyError {
         let text = self.resolver.text;
-        let name = match &fault {
-            Fault::UnknownName { name: own, .. } | Fault::UnknownWord { word: own, .. } => Some(own),
-            _ => None,
-        };
-        let removal = name.and_then(|name| text.removal(name));
-        let changes = match (removal, &fault) {
-            (Some(removal), _) => Changes(vec![removal]),
-            (None, Fault::UnknownName { name, .. }) => text.changes(self.spot(key), &Part::of_any_block(name)),
-            (None, _) => Changes::default(),
+        let removal = |name: &str| text.removal(name).map(|removal| Changes(vec![removal]));
+        let changes = match &fault {
+            Fault::UnknownName { name, .. } => {
+                removal(name).unwrap_or_else(|| text.changes(self.spot(key), &Part::of_any_block(name)))
+            }
+            Fault::UnknownWord { word, .. } => removal(word).unwrap_or_default(),
+            _ => Changes::default(),
         };
         AssemblyError {
             changes: Box::new(changes),

@@ -49,7 +49,7 @@ impl State {
         self.values.get(name).or_else(unselected)
     }
 
-    fn keep(&mut self, name: &str, value: &Compiled) {
+    fn insert(&mut self, name: &str, value: &Compiled) {
         let values = if self.unselected == 0 {
             &mut self.values
         } else {
@@ -383,7 +383,7 @@ impl<'a> Resolver<'a> {
         let mut state = self.state.borrow_mut();
         state.stack.pop();
         let value = value.map_err(|error| Trouble::Elsewhere(Box::new(error)))?;
-        state.keep(name, &value);
+        state.insert(name, &value);
         Ok(value)
     }
 

@@ -6,16 +6,27 @@ use crate::stages::response::DrivenFastener;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Blow {
     /// The driver strikes the fastener as a rigid body.
-    Rigid,
+    Rigid(Ground),
     /// Waves travel in driver and fastener.
     Elastic,
 }
 
+/// What the workpiece stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ground {
+    /// An elastic structure.
+    Structure,
+    /// Sand, flush with the workpiece.
+    Sand,
+    /// A rigid floor, a clamp, or springs.
+    Other,
+}
+
 impl Blow {
     /// The model for the fastener of a shot.
-    pub(super) fn of(fastener: &DrivenFastener) -> Self {
+    pub(super) fn of(fastener: &DrivenFastener, ground: Ground) -> Self {
         if fastener.blows.is_empty() {
-            Self::Rigid
+            Self::Rigid(ground)
         } else {
             Self::Elastic
         }
@@ -23,18 +34,26 @@ impl Blow {
 
     /// What the error of the method does not contain.
     pub(super) fn note(self) -> String {
-        let text = match self {
-            Self::Rigid => {
-                "the driver strikes the fastener as a rigid body; the error of the method does not contain the waves \
-                 of the blow, which change the level of the workpiece by -0.8 to +0.5 dB on a worktable and -1.8 to \
-                 +1.1 dB in sand (90 % of shots of the N80CB) and raise its third octaves at 5, 8 and 10 kHz by 1 to \
-                 2 dB; an elastic blow contains them"
+        match self {
+            Self::Rigid(ground) => {
+                let change = match ground {
+                    Ground::Structure => "-0.8 to +0.5 dB on a worktable or joists",
+                    Ground::Sand => "-1.8 to +1.1 dB in sand",
+                    Ground::Other => {
+                        "-2.1 to +2.7 dB on a rigid floor, -4.9 to +2.2 dB on straps and -2.5 to +7.8 dB in a clamp"
+                    }
+                };
+                format!(
+                    "the driver strikes the fastener as a rigid body; the error of the method does not contain the \
+                     waves of the blow, which change the level of the workpiece by {change} (90 % of shots of the \
+                     N80CB) and raise its third octaves from 6.3 kHz on; an elastic blow contains them"
+                )
             }
             Self::Elastic => {
-                "the waves of the blow on the fastener converge up to 3.15 kHz; from 6.3 kHz on the force on the wood \
-                 is known to 10 dB, which the error of the method does not contain"
+                "the waves of the blow on the fastener converge up to 3.15 kHz; from 6.3 kHz on, the force \
+                              on the wood is known to 10 dB, which the error of the method does not contain"
+                    .to_owned()
             }
-        };
-        text.to_owned()
+        }
     }
 }

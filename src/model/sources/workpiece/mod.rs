@@ -5,7 +5,7 @@ pub(super) mod sound;
 
 use nailnoise_acoustics::radiation::radiator::Loading;
 
-use self::blow::Blow;
+use self::blow::{Blow, Ground};
 use self::sound::{CODE, NAME, WorkpieceRadiated, WorkpieceSound, WorkpieceSource};
 use super::{Compared, ImpedanceComparison, Source, SourceStages};
 use crate::chain::ShotStages;
@@ -88,7 +88,15 @@ impl Source for Workpiece {
         let impedance = (shot.radiators.acts == Loading::Full).then(|| compare_impedances(shot, &own));
         let support = supports::of(shot.context.design);
         let (words, flush) = (support.in_words(), support.open_faces() == OpenFaces::FlushTop);
-        let blow = shot.motions.shot.fastener.as_ref().map(Blow::of);
+        let ground = if flush {
+            Ground::Sand
+        } else if support.bodies().is_empty() {
+            Ground::Other
+        } else {
+            Ground::Structure
+        };
+        let fastener = shot.motions.shot.fastener.as_ref();
+        let blow = fastener.map(|fastener| Blow::of(fastener, ground));
         Ok(SourceStages {
             source: &Workpiece,
             analysis: shot.analysis(own),

@@ -421,12 +421,11 @@ pub(super) fn events(
             }
             condition(fields, &fields.full(key), node, &dimensions).map(Some)
         };
-        if fields.get("at").is_some() {
-            let text = fields.get("at").and_then(Node::text).unwrap_or_default();
-            if let Some(known) = words_of_named(resolver, passages, text) {
-                let word = text.to_owned();
-                return Err(fields.error("at", Fault::WordForTime { word, known }));
-            }
+        if let Some(text) = fields.get("at").and_then(Node::text)
+            && let Some(known) = words_of_named(resolver, passages, text)
+        {
+            let word = text.to_owned();
+            return Err(fields.error("at", Fault::WordForTime { word, known }));
         }
         let becomes = fields.get("becomes").and_then(Node::text);
         let logged = becomes.and_then(|text| word(resolver, passages, text));

@@ -293,7 +293,7 @@ fn read_gate(gate: &Fields<'_, '_>) -> Result<Gate, AssemblyError> {
 }
 
 /// The index of a passage, which a field names, if it leads to the atmosphere.
-pub(super) fn outward(
+pub(super) fn to_atmosphere(
     fields: &Fields<'_, '_>,
     key: &str,
     passages: &[Passage],
@@ -303,13 +303,13 @@ pub(super) fn outward(
     let Some(passage) = passages.get(index).filter(|own| !reaches_atmosphere(resolver, own)) else {
         return Ok(index);
     };
-    let outward = passages.iter().filter(|own| reaches_atmosphere(resolver, own));
+    let others = passages.iter().filter(|own| reaches_atmosphere(resolver, own));
     Err(fields.error(
         key,
         Fault::UnknownName {
             name: passage.name.clone(),
             wanted: "passage to the atmosphere".to_owned(),
-            known: outward.map(|own| own.name.clone()).collect(),
+            known: others.map(|own| own.name.clone()).collect(),
         },
     ))
 }

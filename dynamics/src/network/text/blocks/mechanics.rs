@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::{DAMPING, FORCE, NUMBER, VELOCITY};
 use nailnoise_quantities::{Kind, nonnegative, positive};
 
-use super::gas::outward;
+use super::gas::to_atmosphere;
 use super::list::each;
 use super::tables::mechanics::{BODY, CONTACT, FORCE_TABLE, FRICTION, HOLD, MOTOR, SPRING, STOPS};
 use crate::network::assembly::{
@@ -262,7 +262,7 @@ pub(super) fn forces(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Ve
             ForceLaw::Table(points)
         } else if let Some(passage) = fields.block("jet", &[Family::Passage], "passage")? {
             ForceLaw::Jet {
-                passage: outward(&fields, "jet", passages, passage.index)?,
+                passage: to_atmosphere(&fields, "jet", passages, passage.index)?,
                 share: fields.required("share")?,
             }
         } else {

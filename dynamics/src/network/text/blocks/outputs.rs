@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::{FORCE, LENGTH};
 
 use super::events::{Measured, dimensions, expect, expression};
-use super::gas::outward;
+use super::gas::to_atmosphere;
 use super::list::{entries, of_named};
 use super::tables::outputs::{LOAD, OPENING, PRESSURE};
 use crate::network::assembly::{Family, Load, Opening, Opens, Passage, PressurePatch, PressureSurface};
@@ -74,7 +74,7 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
         }
         Ok(Opening {
             name: name.to_owned(),
-            passage: audible(fields, passages, passage)?,
+            passage: noisy_passage(fields, passages, passage)?,
             restriction,
             count,
             area,
@@ -99,12 +99,12 @@ pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<
 }
 
 /// The passage of an opening, if it leads to the atmosphere and is not silent.
-fn audible(fields: &Fields<'_, '_>, passages: &[Passage], index: usize) -> Result<usize, AssemblyError> {
+fn noisy_passage(fields: &Fields<'_, '_>, passages: &[Passage], index: usize) -> Result<usize, AssemblyError> {
     if passages.get(index).is_some_and(|passage| passage.silent) {
         let found = ["silent = true", "an opening"].map(str::to_owned).to_vec();
         return Err(fields.error("passage", Fault::Exclusive { fields: found }));
     }
-    outward(fields, "passage", passages, index)
+    to_atmosphere(fields, "passage", passages, index)
 }
 
 fn outlet(fields: &Fields<'_, '_>) -> Result<Option<String>, AssemblyError> {
