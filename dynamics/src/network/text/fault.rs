@@ -174,7 +174,7 @@ pub enum Fault {
         /// Words of the block.
         known: Vec<String>,
     },
-    /// A word of a block stands in place of a time.
+    /// A text gives a word of a block where a time is expected.
     #[error("is \"{word}\", which is no time")]
     WordForTime {
         /// Text as given.
@@ -190,7 +190,7 @@ pub enum Fault {
         /// Words of the block.
         known: Vec<String>,
     },
-    /// Words stand in place of an expression over channels.
+    /// A text gives words where an expression over channels is expected.
     #[error("is \"{words}\", which is no expression")]
     WordsForExpression {
         /// Text as given.

@@ -11,7 +11,7 @@ pub(super) enum Blow {
     Elastic,
 }
 
-/// What the workpiece stands on.
+/// Kind of support under the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ground {
     /// An elastic structure.
@@ -32,7 +32,7 @@ impl Blow {
         }
     }
 
-    /// What the error of the method does not contain.
+    /// States the differences that the error of the method excludes.
     pub(super) fn note(self) -> String {
         match self {
             Self::Rigid(ground) => {
