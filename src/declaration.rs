@@ -28,7 +28,7 @@ pub struct Finished {
     pub(crate) outcome: String,
     /// Level of all sources together.
     pub(crate) total: Total,
-    /// Reserve of the drive, air a shot, and rate; none in a result of an earlier version.
+    /// Reserve of the drive, air per shot, and rate; none in a result of an earlier version.
     #[serde(default)]
     pub(crate) performance: Option<Performance>,
     /// Sound pressure at the operator's ear.
@@ -142,7 +142,8 @@ mod tests {
     use super::*;
     use crate::result::LevelSpread;
 
-    /// One shot a second has the levels of one shot; ten have 10 dB more; 28 800 shots a day are one a second.
+    /// One shot per second has the levels of one shot; ten shots per second have 10 dB more. 28 800 shots a day are one
+    /// per second.
     #[test]
     fn energies_of_shots_add() {
         let use_of = |rate, shots_a_day| Use { rate, shots_a_day }.levels(Some(102.0), Some(95.0));

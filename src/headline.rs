@@ -15,11 +15,11 @@ use crate::stages::headline::{Influences, Miss, Moved};
 use crate::study::{Axis, Parameter, SweptPoint, at_point, taking_part};
 use crate::wording::in_one_unit;
 
-/// Sampling interval of cycles with other inputs \[s\]; the slow motion of the tool needs none finer.
+/// Sampling interval of cycles with other inputs \[s\]; the slow motion of the tool does not need a finer one.
 const SAMPLES: f64 = 50e-6;
 
-/// The headline of the own shot of a design; `None` for an assembly, because a headline states how the tool of the keys
-/// drove a nail.
+/// The headline of the shot of the design itself; `None` for an assembly, because a headline states how the tool of the
+/// keys drove a nail.
 ///
 /// # Errors
 /// The errors of the cycle and of its parameters.

@@ -72,7 +72,7 @@ pub(crate) fn install() {
     let _ = ctrlc::set_handler(|| end(ON_REQUEST, INTERRUPTED));
 }
 
-/// The signals that this process ignores, one bit each; the lowest bit stands for signal 1. Only Linux allows safe code
+/// The signals that this process ignores, one bit each; the lowest bit represents signal 1. Only Linux allows safe code
 /// to query them.
 #[cfg(unix)]
 fn ignored() -> u64 {

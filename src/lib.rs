@@ -9,7 +9,7 @@
 //! [`measurement`] converts the recordings of a test to levels; [`virtual_test`] makes such recordings from a design
 //! and compares it with measured levels. [`verification`] computes public benchmarks. [`penetration`] compares
 //! penetration laws, [`scaling`] makes a design of another tool, and [`cost`] estimates the cost of a run before it
-//! begins. [`units`] are those in which people read results. [`watch`] serves the page of a design that is being
+//! begins. [`units`] contains the units in which results are shown. [`watch`] serves the page of a design that is being
 //! edited, and [`commands`] is the command line for all of this.
 #![forbid(unsafe_code)]
 

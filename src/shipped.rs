@@ -28,6 +28,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "quieter/muffler.toml",
     "quieter/muffler-on-worktable.toml",
     "quieter/small-holes.toml",
+    "quieter/foam.toml",
     "quieter/expansion-chamber.toml",
     "tools/stapler.toml",
     "tools/gas-spring-nailer.toml",
@@ -36,7 +37,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "tools/impact-rig.toml",
 ];
 
-/// Designs of [`DESIGNS`] without a study among [`STUDIES`]: those with an assembly of their own.
+/// Designs of [`DESIGNS`] without a study among [`STUDIES`]: those that have their own assembly.
 pub const WITHOUT_STUDY: &[&str] = &[
     "quieter/expansion-chamber.toml",
     "tools/stapler.toml",

@@ -118,7 +118,7 @@ pub(crate) fn readable(unit: &str) -> (&str, f64) {
     }
 }
 
-/// The unit in which people read a quantity of this SI unit and size, and the factor to it.
+/// A readable unit for a quantity of this SI unit and size, and the conversion factor.
 pub(crate) fn readable_at(unit: &str, size: f64) -> (&str, f64) {
     let from = |limit: f64| size.abs() >= limit;
     match unit {

@@ -12,8 +12,8 @@ pub const HEAT_RATIO: f64 = 1.4;
 /// rho0 = P_a / (R T_a)        c0 = sqrt(gamma R T_a)
 /// ```
 ///
-/// At 20 °C and 101 325 Pa: 1.204 kg/m³ and 343.2 m/s. Humidity is neglected: it changes c0 by less than 0.4 % and rho0
-/// by less than 1 % at room temperature, together less than 0.05 dB.
+/// At 20 °C and 101 325 Pa: 1.204 kg/m³ and 343.2 m/s. Humidity is neglected. At room temperature it changes c0 by less
+/// than 0.4 % and rho0 by less than 1 %; both together change levels by less than 0.05 dB.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Air {
     /// Ambient temperature T_a \[K\].

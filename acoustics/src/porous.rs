@@ -17,7 +17,7 @@ pub enum Frame {
     Resting,
 }
 
-/// A layer of open-cell foam or fibres on a wall; it reacts locally, so that sound in it runs along the normal only.
+/// A layer of open-cell foam or fibres on a wall. It reacts locally: sound in it propagates only along the normal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PorousLayer {
     thickness: f64,
@@ -25,18 +25,19 @@ pub struct PorousLayer {
     frame: Frame,
 }
 
-/// The two-port of a layer at one frequency: the outer face has the velocity v = T v_s - Y p, where v_s is that of the
+/// The two-port of a layer at one frequency. The outer face has the velocity v = T v_s - Y p, where v_s is that of the
 /// wall and p the pressure on the outer face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerTransfer {
     /// T: velocity of the outer face without pressure, relative to that of the wall.
     pub velocity: Complex<f64>,
-    /// Y: admittance of the outer face, its inward velocity over the pressure with the wall at rest \[m/(s Pa)\].
+    /// Y: admittance of the outer face, that is, its inward velocity divided by the pressure with the wall at rest
+    /// \[m/(s Pa)\].
     pub admittance: Complex<f64>,
 }
 
 impl PorousLayer {
-    /// A layer of the thickness t \[m\], zero for none, and the flow resistivity sigma \[Pa s/m²\].
+    /// A layer with the thickness t \[m\] (zero for no layer) and the flow resistivity sigma \[Pa s/m²\].
     ///
     /// # Errors
     /// If the thickness is negative or not finite, or if the resistivity is not positive.
@@ -62,8 +63,8 @@ impl PorousLayer {
         self.resistivity
     }
 
-    /// The layer whose results in standard air, at the same wavelength, are those of this layer in the given air,
-    /// because Z/(rho c) and k c/omega depend on f/sigma only.
+    /// The layer that gives, in standard air and at the same wavelength, the results of this layer in the given air.
+    /// This is possible because Z/(rho c) and k c/omega depend only on f/sigma.
     #[must_use]
     pub fn in_standard_air(&self, air: &Air) -> Self {
         Self {
@@ -74,9 +75,9 @@ impl PorousLayer {
 
     /// The two-port at the frequency `hz`.
     ///
-    /// The air in the pores is a fluid of the impedance Z and the wavenumber k of [`miki_fluid`], with the density
-    /// rho = Z k/omega and the bulk modulus K = omega Z/k. The frame has the velocity w and drags the air; its own mass
-    /// is left out.
+    /// The air in the pores is a fluid with the impedance Z and the wavenumber k of [`miki_fluid`]. Its density is
+    /// given by rho = Z k/omega, and its bulk modulus by K = omega Z/k. The frame has the velocity w and drags the air;
+    /// the mass of the frame is neglected.
     ///
     /// ```text
     /// -dp/dx = j omega rho (v - w) + j omega rho0 w      -dv/dx = j omega p/K      v(0) = v_s
@@ -85,9 +86,9 @@ impl PorousLayer {
     /// w = v_s:  T = 1 + (rho0/rho) (1/cos(k t) - 1)
     /// ```
     ///
-    /// With w = 0 this is the transfer matrix of a layer of fluid (Allard & Atalla 2009, section 2.3); Y is the
-    /// admittance of the layer on a rigid wall in both cases. Without flow resistance both have |T/(1 + rho0 c0 Y)| =
-    /// 1, because a layer of air does not change a plane wave.
+    /// With w = 0 this is the transfer matrix of a layer of fluid (Allard & Atalla 2009, section 2.3). Y is the
+    /// admittance of the layer on a rigid wall in both cases. Without flow resistance, |T/(1 + rho0 c0 Y)| = 1 in both
+    /// cases, because a layer of air does not change a plane wave.
     pub fn transfer(&self, hz: f64, air: &Air) -> LayerTransfer {
         let (z, k) = miki_fluid(hz, self.resistivity, air);
         let along = k * self.thickness;

@@ -29,7 +29,7 @@ const OUT_OF_REACH: f64 = 3.0;
 const END: f64 = 0.05;
 const PRESSED: f64 = 0.25;
 
-/// Mean of a shared error, in standard deviations, from which it counts as extreme.
+/// Mean of a shared error, in standard deviations, above which it counts as extreme.
 const LARGE_ERROR: f64 = 2.0;
 
 /// Largest factor by which errors may be widened.

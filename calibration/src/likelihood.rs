@@ -96,7 +96,7 @@ impl Reading {
 }
 
 impl Reading {
-    /// What an observer who stated this reading states for another value: a value, or the side of the bounds.
+    /// The statement of the same observer about another value: the value, or the side of the bounds on which it lies.
     fn of_value(self, value: f64) -> Self {
         match self {
             Self::Value(_) => Self::Value(value),
@@ -142,7 +142,7 @@ pub struct Datum {
 pub enum Prediction {
     /// The value.
     Value(f64),
-    /// The simulation ended before the value was reached, so it is at least this.
+    /// The simulation ended before the value was reached, so the value is at least this.
     AtLeast(f64),
     /// There is no value because an event did not occur.
     Missing,
@@ -327,9 +327,9 @@ impl Likelihood {
             .sum()
     }
 
-    /// Readings of a point, each with an error of its law at one of the `shares` in (0, 1). Errors of the readings that
-    /// count are correlated as stated. A bound is what an observer of the value states: the side on which it lies. The
-    /// reading of a prediction that is no value stays as it is.
+    /// Readings of a point. The error of each is drawn from its law at one of the `shares` in (0, 1). Errors of the
+    /// readings that count are correlated as stated. For a bound, the observer states the side on which the value lies.
+    /// If the prediction is not a value, the reading is unchanged.
     pub fn measured(&self, z: &[f64], predictions: &[Prediction], shares: &[f64]) -> Vec<Reading> {
         let mut errors: Vec<f64> = self
             .data

@@ -1,9 +1,9 @@
 //! Information gained by a further measurement, from draws and their outputs, without another simulation.
 //!
 //! A measurement with the error s is made on each draw j in turn, y_j = f_j + s e_j. The other draws, weighted by the
-//! density of (y_j - f_i)/s, are then draws from the posterior with that reading (importance sampling; a
-//! preposterior analysis as in Raiffa and Schlaifer, "Applied statistical decision theory", 1961). Its value is the
-//! mean over j of what becomes narrower or surer.
+//! density of (y_j - f_i)/s, are then draws from the posterior with that reading (importance sampling; a preposterior
+//! analysis as in Raiffa and Schlaifer, "Applied statistical decision theory", 1961). The value of the measurement is
+//! the mean gain over j: a narrower interval, or a more certain order of the sources.
 
 use crate::likelihood::ErrorLaw;
 use crate::random::Stream;
@@ -12,11 +12,11 @@ use crate::statistics::{effective_size, quantile_of, weighted_quantile};
 /// Ends of the interval that becomes narrower.
 const ENDS: [f64; 2] = [0.05, 0.95];
 
-/// Draws on which the measurement is made at most.
+/// Maximum number of draws on which the measurement is made.
 const MOST: usize = 256;
 
-/// Least effective number of draws after a measurement. A sharper measurement is weighed with an error that leaves so
-/// many, and its gain is a lower bound.
+/// Minimum effective number of draws after a measurement. A more precise measurement is weighed with a larger error
+/// that leaves this number; its gain is then a lower bound.
 const FEW: f64 = 20.0;
 
 /// Most doublings of an error for that.
@@ -27,7 +27,7 @@ const DOUBLINGS: u32 = 60;
 pub struct Further<'a> {
     /// Its reading f in each draw; NaN if there is no reading.
     pub predictions: &'a [f64],
-    /// s, standard deviation of its error, that of the model among it, in the unit of the predictions; above 0.
+    /// s, the standard deviation of its error including that of the model, in the unit of the predictions; above 0.
     pub scale: f64,
     /// Law of the error by which the reading would be weighed.
     pub law: ErrorLaw,
@@ -47,9 +47,9 @@ pub struct Outputs<'a> {
 pub struct Gain {
     /// Width between P5 and P95 of the output now, and the mean width with the measurement, in the unit of the output.
     pub width: [f64; 2],
-    /// Probability of the source that is probably first now, and its mean with the measurement.
+    /// Probability of the source that is most likely to be first: now, and the mean with the measurement.
     pub first: [f64; 2],
-    /// Whether the draws are too few for so sharp a measurement, so that the gain is a lower bound.
+    /// Whether there are too few draws for such a precise measurement. The gain is then a lower bound.
     pub is_bound: bool,
 }
 
@@ -103,7 +103,7 @@ struct Made<'a> {
 }
 
 impl Made<'_> {
-    /// Weights of the draws by the reading on draw `j`, which does not count itself.
+    /// Weights of the draws given the reading on draw `j`, which is not counted.
     fn weights(&self, j: usize, scale: f64) -> Vec<f64> {
         let reading = self.predictions[j] + scale * self.errors[j];
         let weight = |(i, f): (usize, &f64)| match i == j {
@@ -113,8 +113,8 @@ impl Made<'_> {
         self.predictions.iter().enumerate().map(weight).collect()
     }
 
-    /// The least error, from `scale` on, that leaves enough draws. Of too few, intervals would be too narrow, so that
-    /// even an irrelevant measurement would seem to tell much.
+    /// The smallest error, not below `scale`, that leaves enough draws. With too few draws, intervals would be too
+    /// narrow, so that even an irrelevant measurement would seem informative.
     fn scale(&self, scale: f64) -> f64 {
         let is_enough = |scale: f64| {
             let size = |j| effective_size(&self.weights(j, scale));
@@ -165,7 +165,7 @@ mod tests {
         [(0..n).map(output).collect(), f.clone()]
     }
 
-    /// Of Gaussian draws and errors the ratio is sqrt(1 - rho^2/(1 + s^2)).
+    /// For Gaussian draws and errors, the ratio is sqrt(1 - rho^2/(1 + s^2)).
     #[test]
     fn the_width_of_normal_draws_falls_as_the_closed_form_states() {
         const S: f64 = 0.3;

@@ -2,8 +2,8 @@
 //! Gelman, "Validating Bayesian inference algorithms with simulation-based calibration", arXiv:1804.06788 (2018)).
 //!
 //! A truth is drawn from the prior, measured with the errors of the likelihood, and calibrated. If prior, likelihood
-//! and sampler agree, the place of the truth among the draws of its posterior is uniform between 0 and 1. Too narrow
-//! posteriors push the places to both ends, too wide ones to the middle.
+//! and sampler agree, the place of the truth among the draws of its posterior is uniform between 0 and 1. Posteriors
+//! that are too narrow push the places to both ends; posteriors that are too wide push them to the middle.
 //!
 //! The test is that of Anderson and Darling, which weights the ends:
 //!
@@ -11,7 +11,7 @@
 //! A^2 = -n - 1/n sum_i (2 i - 1) [ln u_i + ln(1 - u_(n+1-i))],    u_1 <= .. <= u_n
 //! ```
 
-/// Smallest number of places that is tested: the approximation of the probability is for 8 and more.
+/// Smallest number of places that is tested: the approximation of the probability is valid for 8 or more.
 const FEWEST: usize = 8;
 
 /// A test of uniform places.
@@ -24,7 +24,7 @@ pub struct Uniformity {
 }
 
 /// The place of a truth among draws, 0 to 1; `share` in (0, 1) is its place between two draws, and among equal ones.
-/// Draws that are NaN do not count; none without draws, and for a truth that is NaN.
+/// NaN draws do not count. None without draws, or if the truth is NaN.
 ///
 /// With `share` uniform, the place is uniform if the truth is distributed like the draws.
 pub fn place(truth: f64, draws: impl IntoIterator<Item = f64>, share: f64) -> Option<f64> {

@@ -59,8 +59,8 @@ const MEANS_APART: f64 = 4.0;
 const NOT_FORGOTTEN: f64 = 0.985;
 const SMALLEST_SIZE: f64 = 0.05;
 
-/// Particles for each initial ancestor that a converged run has at most, and its fewest ancestors: the width of a 90 %
-/// interval of n independent normal draws has the relative standard error 0.9/sqrt(n), 16 % of 32.
+/// Maximum number of particles per initial ancestor in a converged run, and its minimum number of ancestors. The width
+/// of a 90 % interval of n independent normal draws has the relative standard error 0.9/sqrt(n), 16 % for 32.
 const PARTICLES_PER_ANCESTOR: usize = 8;
 const FEWEST_ANCESTORS: usize = 32;
 

@@ -21,18 +21,18 @@ pub type Value<'i> = Spanned<DeValue<'i>>;
 pub struct KeyError {
     /// Its full name.
     pub key: String,
-    /// What is wrong with it.
+    /// Description of the problem.
     pub problem: String,
     /// The remedy.
     pub help: String,
-    /// Location: the value, or the table in which the key is missing.
+    /// Location: the value, or the table that does not contain the key.
     pub at: Box<Place>,
 }
 
 /// A table of a document: its name, its keys and its place.
 pub struct Keys<'t, 'i> {
     document: &'t Document,
-    /// What the document is, in one word, for messages: a manifest, for example.
+    /// Kind of document in one word, for messages: for example, a manifest.
     noun: &'static str,
     name: String,
     keys: &'t DeTable<'i>,

@@ -1,4 +1,4 @@
-//! A cycle coupled to wood whose motion another solver computes.
+//! A cycle coupled to wood. Another solver computes the motion of the wood.
 //!
 //! Both sides advance with the same step h. Over a step, the motion of the wood follows cubics that end at
 //!
@@ -22,11 +22,11 @@ use crate::{CouplingWork, WoodForces, WoodMotion, Workpiece};
 
 /// Tolerance on the difference between the forces of both sides, as a fraction of the largest force so far.
 const AGREEMENT: f64 = 1e-9;
-/// Number of trials after which forces that keep jumping are accepted as they are.
+/// Number of trials after which forces that continue to jump are accepted unchanged.
 const TRIALS: usize = 40;
 /// Number of trials after which Newton steps are halved.
 const DAMPED: usize = 12;
-/// Jump of a force that may remain in a step, as a fraction of the largest force so far; when the tip meets the wood,
+/// Jump of a force that may remain in a step, as a fraction of the largest force so far. When the tip meets the wood,
 /// the force jumps to 1 % of its final value.
 const JUMP: f64 = 0.05;
 
@@ -53,7 +53,7 @@ pub(crate) trait Side {
     /// Error of the cycle.
     type Error;
 
-    /// Forces at the end of a step. The cycle stays at the start of the step.
+    /// Forces at the end of a step. The cycle remains at the start of the step.
     fn attempt(&mut self, step: &Step) -> Result<Answer, Self::Error>;
 
     /// Completes a step.

@@ -177,7 +177,7 @@ pub enum CycleError {
         contact: &'static str,
         /// Changes counted.
         count: usize,
-        /// Window in which they were counted \[s\].
+        /// Duration of the counting window \[s\].
         window: f64,
         /// Time \[s\].
         time: f64,

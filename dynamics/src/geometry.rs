@@ -122,7 +122,7 @@ impl HeadValve {
 }
 
 impl Chambers {
-    /// The discharge coefficient of a passage with the coefficient `own`, where 0 selects that of the other passages.
+    /// The discharge coefficient of a passage with the coefficient `own`; 0 selects that of the other passages.
     pub fn coefficient(&self, own: f64) -> f64 {
         if own > 0.0 { own } else { self.discharge_coefficient }
     }

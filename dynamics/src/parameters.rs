@@ -1,7 +1,7 @@
 //! Inputs of a nailing cycle: primary quantities of the tool, the nail, the wood and the support, in SI units.
 //!
-//! Nothing here is derived. Areas, volumes of the nail and block, masses, the channel's delay and attenuation come from
-//! [`Geometry`](crate::Geometry). The symbols are those of Nili Ahmadabadi (2016), ch. 4.
+//! Nothing here is derived. [`Geometry`](crate::Geometry) gives the areas, the volumes of the nail and block, the
+//! masses, and the delay and attenuation of the channel. The symbols are those of Nili Ahmadabadi (2016), ch. 4.
 
 use nailnoise_penetration::fit::FittedLaw;
 use nailnoise_penetration::{ForceTable, NailedWood};
@@ -25,18 +25,18 @@ pub struct Parameters {
     pub chambers: Chambers,
     /// Exhaust holes behind the head valve.
     pub exhaust: Exhaust,
-    /// C A_s, effective area of a muffler behind the holes \[m2\]; none where they open into the atmosphere.
+    /// C A_s, effective area of a muffler behind the holes \[m2\]; none if they open into the atmosphere.
     pub muffler_area: Option<f64>,
     /// Trigger valve and its channel to the volume above the head valve.
     pub trigger: Trigger,
-    /// The nail and where it stands under the rod.
+    /// The nail and its position under the rod.
     pub nail: Nail,
     /// The wood.
     pub wood: NailedWood,
-    /// Friction along the shank as a share of the resistance at full depth; the resistance depends on it outside the
+    /// Friction along the shank as a fraction of the resistance at full depth. It affects the resistance outside the
     /// tested sizes of nails.
     pub friction_share: f64,
-    /// Penetration resistance by points, in place of the law of the wood.
+    /// Penetration resistance by points, instead of the law of the wood.
     pub penetration_table: Option<ForceTable>,
     /// The law of the word `fitted`.
     pub penetration_fit: Option<FittedLaw>,
@@ -52,7 +52,7 @@ pub struct Parameters {
     pub support: Support,
     /// Surrounding air and gravity.
     pub ambient: Ambient,
-    /// Which form of the physics is used, and numerical widths.
+    /// Form of the physics, and numerical widths.
     pub model: Model,
 }
 

@@ -16,8 +16,8 @@ impl Parameters {
         self
     }
 
-    /// The same design with every form as published: no leak, no damping of valve and wood contacts, release of the
-    /// trigger only by the rising tool, and the seat diameter that the published force balance needs.
+    /// The same design with every form as published. It has no leak and no damping of valve and wood contacts. Only the
+    /// rising tool releases the trigger, and the seat diameter is that required by the published force balance.
     #[must_use]
     pub fn published_all(mut self) -> Self {
         let published = Form::Published;

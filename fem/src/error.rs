@@ -1,6 +1,6 @@
 //! Errors of modal models, from the mesh to the modes.
 
-/// An error of the modal models; every variant carries the numbers and names the remedy.
+/// An error of the modal models; every variant contains the numbers and names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum FemError {
     /// A material constant is not a positive finite number.

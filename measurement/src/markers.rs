@@ -79,7 +79,7 @@ const fn marker(name: &'static str, event: Option<&'static str>, meaning: &'stat
     Marker { name, event, meaning }
 }
 
-/// Events of the cycle for which markers stand; those of [`MARKERS`] for a tool with the events of the published
+/// Events of the cycle that the markers represent: those of [`MARKERS`] for a tool with the events of the published
 /// tests.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MarkerEvents(BTreeMap<String, String>);
@@ -97,7 +97,7 @@ impl MarkerEvents {
         Self(events)
     }
 
-    /// Those of the markers whose events a tool has, by the names of its events.
+    /// The markers whose events a tool has, given the names of its events.
     pub fn among(mut self, events: &[&str]) -> Self {
         self.0.retain(|_, event| events.contains(&event.as_str()));
         self
@@ -365,7 +365,7 @@ fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<
     let middle = |at: usize| from + at + step.div_ceil(2);
     let rise = largest(&slopes, 0, |slope| slope);
     // When the piston returns, the pressure above it may have fallen below that of the return chamber, so the step may
-    // have either sign, in a pressure that falls faster while the exhaust is open. A step stands out from the slopes on
+    // have either sign. The pressure also falls faster while the exhaust is open. A step stands out from the slopes on
     // either side. The step of the piston's passage initially rings in the record.
     let settled = (SETTLED * rate).ceil() as usize;
     let beside = |at: usize| 0.5 * (slopes[at - 2 * step] + slopes[at + 2 * step]);
@@ -460,8 +460,8 @@ mod tests {
         assert_eq!(arrival(&[bursts(&[(0.1, 60.0)])], RATE, &[100.0]), None);
     }
 
-    /// The envelope 100 g e^(-t/20 ms) is at 6 g after 56.27 ms; the last crest above 6 g lies within half a period
-    /// before.
+    /// The envelope 100 g e^(-t/20 ms) is at 6 g after 56.27 ms; the last crest above 6 g lies at most half a period
+    /// earlier.
     #[test]
     fn the_handle_is_quiet_where_its_envelope_falls_to_6_g() {
         let handle = bursts(&[(0.01, 100.0)]);
@@ -486,7 +486,7 @@ mod tests {
         let found = Markers::find(&signals, RATE, 0.01);
         // 2 g of 300 g are reached within a fiftieth of a radian.
         assert!((found.t3.unwrap_or(f64::NAN) - 0.01).abs() < 2e-5);
-        // 6 g of 60 g, a tenth of a radian of 800 Hz later; 0.7 g are left of the first burst.
+        // 6 g of 60 g are reached a tenth of a radian of 800 Hz later; 0.7 g remain of the first burst.
         assert!((found.t12.unwrap_or(f64::NAN) - 0.11).abs() < 0.03e-3);
         assert!(found.t13 > found.t12 && found.t10 < found.t12);
         assert_eq!(found.out_of_order(), None);

@@ -1,11 +1,9 @@
 //! Formats numbers as text in files.
 //!
-//! Own code, because writing `histories.csv` (17 MB) with the standard library takes 1.8 times as long.
+//! This code is separate, because writing `histories.csv` (17 MB) with the standard library takes 1.8 times as long.
 //!
-//! The digits are those of the standard library.
-//!
-//! The digits are computed as value x 10^k in double precision where the error cannot change the rounding; close to a
-//! rounding boundary the standard library is used.
+//! The digits are those of the standard library. They are computed as value x 10^k in double precision where the error
+//! cannot change the rounding; close to a rounding boundary the standard library is used.
 
 use std::io::Write;
 use std::sync::LazyLock;

@@ -44,7 +44,7 @@ pub enum MeshError {
     /// No face group has this name.
     #[error("no face group \"{name}\"; the mesh has: {known}")]
     UnknownGroup {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// The available names, comma separated.
         known: String,

@@ -1,4 +1,4 @@
-//! Meshes new geometry with the gmsh command (C. Geuzaine and J.-F. Remacle, 2009), which is not needed for anything
+//! Meshes new geometry with the gmsh command (C. Geuzaine and J.-F. Remacle, 2009). gmsh is not needed for anything
 //! else.
 
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub(crate) struct Job<'a> {
 /// The script constant that selects how gmsh repairs elements folded by curved sides.
 const OPTIMISE: &str = "optimise";
 
-/// How gmsh repairs folded elements: values of `Mesh.HighOrderOptimize`, in the order in which they are tried.
+/// How gmsh repairs folded elements: values of `Mesh.HighOrderOptimize` in the order of the attempts.
 ///
 /// The elastic analogy deforms the entire mesh and takes three quarters of gmsh's time, although only about ten of the
 /// 8500 elements in half a tool are folded.
@@ -236,7 +236,7 @@ fn fatal(said: &str) -> Option<&str> {
     errors.find(|line| !line.is_empty() && !of_summary(line) && !mended(line))
 }
 
-/// Rounds a length to 2^-26 m (15 nm), so that a compressed shipped mesh equals the one generated.
+/// Rounds a length to 2^-26 m (15 nm), so that the compressed mesh that is shipped equals the generated one.
 fn rounded(length: f64) -> f64 {
     const GRAIN: f64 = (1 << 26) as f64;
     (length * GRAIN).round() / GRAIN

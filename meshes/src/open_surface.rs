@@ -41,7 +41,7 @@ pub fn open_faces(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, Me
     let points = surface.quadrature(3)?;
     for point in &points {
         if !covered[point.face] {
-            // Heights are measured from the floor plane, in which the piece may be open.
+            // Heights are measured from the floor plane, because the piece may be open there.
             volume[piece[point.face]] += (point.position.z - floor.unwrap_or(0.0)) * point.normal.z * point.weight;
         }
     }

@@ -2,8 +2,8 @@
 
 use crate::{ElementKind, FaceRef, Mesh};
 
-/// Tolerance within which a node lies in the symmetry plane \[m\]: several times the 15 nm to which coordinates are
-/// rounded.
+/// Largest distance from the symmetry plane at which a node counts as lying in it \[m\]: several times 15 nm, the step
+/// to which coordinates are rounded.
 const IN_PLANE: f64 = 1e-7;
 
 impl Mesh {

@@ -183,7 +183,7 @@ impl Surface {
         }
     }
 
-    /// Area of the whole surface \[m^2\].
+    /// Area of the complete surface \[m^2\].
     pub fn area(&self) -> f64 {
         self.fold(|point| point.weight)
     }

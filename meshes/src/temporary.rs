@@ -13,7 +13,7 @@ use std::time::Duration;
 /// The locked file in a folder.
 const LOCK: &str = "in-use";
 
-/// Age from which a folder counts as abandoned on a file system without locks.
+/// On a file system without locks, a folder of this age or older counts as abandoned.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// Number of attempts to remove a folder, the pause between them, and the number of consecutive checks that must find

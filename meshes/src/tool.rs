@@ -140,9 +140,9 @@ fn shipped(spec: &Tool) -> Option<&'static [u8]> {
 
 impl Tool {
     /// Limit on gmsh's processor time with the elastic analogy \[s\]: 20 s plus 38 ms per element-sized square of wall
-    /// area, about five times the time for the shipped dimensions (4 to 9 s). Without the analogy these take 1.4 to 1.9
-    /// s, and gmsh has a third of the time. Dimensions with which the body intersects itself can keep gmsh busy
-    /// forever.
+    /// area, about five times the time for the shipped dimensions (4 to 9 s). Without the analogy, the shipped
+    /// dimensions take 1.4 to 1.9 s, and a third of the limit applies. If the dimensions make the body intersect
+    /// itself, gmsh may never finish.
     fn seconds(&self) -> f64 {
         let barrel = self.barrel_radius(self.sleeve_radius);
         let tubes = [

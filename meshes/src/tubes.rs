@@ -6,10 +6,10 @@ use crate::{Grid, Mesh, MeshError, Worktable, subdivide};
 /// Meshes a worktable with legs of square tube of the given `wall` \[m\]. There is one element through the wall,
 /// elements are no longer than `leg_element_size` along and across it, and the tubes are open at both ends.
 ///
-/// Plate and legs share no nodes, so that the mesh lines of the walls do not extend across the plate; the legs' upper
-/// ends, group `weld_slave`, must be tied to the plate's underside, `weld_master`. The plate's mesh lines follow the
-/// legs' outlines; otherwise the first plate mode is 2 % too high. The parts are `top` and `leg`; the other groups are
-/// `top`, `sides`, `leg_sides` (including the inside) and `floor`.
+/// The plate and the legs share no nodes, so that the mesh lines of the walls do not extend across the plate. The legs'
+/// upper ends, group `weld_slave`, must be tied to the plate's underside, `weld_master`. The plate's mesh lines follow
+/// the legs' outlines; otherwise the first plate mode is 2 % too high. The parts are `top` and `leg`; the other groups
+/// are `top`, `sides`, `leg_sides` (including the inside) and `floor`.
 ///
 /// # Errors
 /// Same as [`worktable`](crate::worktable()); also [`MeshError::DoesNotFit`] if two walls fill a leg.

@@ -39,8 +39,8 @@ pub(crate) fn log_expected_improvement(own: Prediction, best: f64) -> f64 {
     deviation.ln() + h
 }
 
-/// Logarithm of the probability that the smooth part is at most 0. The roughness would leave every point a chance, even
-/// next to points that violate the constraint by a step.
+/// Logarithm of the probability that the smooth part is at most 0. With the roughness, every point would have a chance,
+/// even next to points that violate the constraint by a step.
 pub(crate) fn log_feasibility(own: Prediction) -> f64 {
     let z = -own.mean / own.smooth.max(MIN_DEVIATION);
     if z > ASYMPTOTIC {

@@ -47,7 +47,7 @@ pub(crate) struct Prediction {
     pub(crate) mean: f64,
     /// Of an observation.
     pub(crate) deviation: f64,
-    /// Of the smooth part, without the roughness: it falls with each observation near the point.
+    /// Of the smooth part, without the roughness; it decreases with each observation near the point.
     pub(crate) smooth: f64,
 }
 

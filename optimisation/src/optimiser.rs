@@ -112,7 +112,7 @@ impl Optimiser {
         2 * self.space.len() + 4
     }
 
-    /// The next `count` points to try, none of them observed; fewer if the space has no more.
+    /// The next `count` points to try, none of them observed; fewer if the space does not have that many.
     pub fn propose(&self, observed: &[Observation], count: usize) -> Vec<Point> {
         let mut seen: Vec<Point> = observed.iter().map(|own| own.point.clone()).collect();
         let mut proposed = Vec::new();

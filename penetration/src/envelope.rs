@@ -10,9 +10,9 @@ use super::resistance::{Driven, Resistance};
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
-/// where the head does not yield ([`HeadContact`]), where F_r is the design's law times its scale factor; a published
-/// law is evaluated at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). The published nail model drops F_r once the head
-/// meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
+/// This form applies if the head does not yield ([`HeadContact`]). F_r is the design's law times its scale factor; a
+/// published law is evaluated at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). The published nail model drops F_r once
+/// the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
 #[derive(Debug, Clone)]
 pub struct Envelope {
     law: Resistance,
@@ -25,8 +25,8 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Creates the envelope of a fastener. `seated`: the shank force persists after the head meets the wood, unlike in
-    /// the published nail model. The head has a diameter \[m\].
+    /// Creates the envelope of a fastener with this head diameter \[m\]. If `seated`, the shank force persists after
+    /// the head meets the wood, unlike in the published nail model.
     pub fn new(driven: &Driven<'_>, head_diameter: f64, seated: bool) -> Self {
         let law = Resistance::new(driven);
         Self {
@@ -47,7 +47,7 @@ impl Envelope {
         }
     }
 
-    /// The same envelope in a specimen that deviates from the law by b, of s = sqrt(F_r/(H_M NL)).
+    /// The same envelope in a specimen whose s = sqrt(F_r/(H_M NL)) deviates from the law by b.
     #[must_use]
     pub fn with_deviation(self, b: f64, specimen: &Specimen) -> Self {
         Self {
@@ -94,7 +94,7 @@ impl Envelope {
         [friction, tip, self.head(depth)]
     }
 
-    /// E(z) of a nail at rest after an impact at `impact` \[m/s\], from which unloading starts \[N\].
+    /// E(z) of a nail at rest after an impact at `impact` \[m/s\]; unloading starts at this force \[N\].
     pub fn at_rest(&self, depth: f64, impact: f64) -> f64 {
         self.shank_after(depth, impact) + self.head(depth)
     }

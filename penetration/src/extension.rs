@@ -14,8 +14,8 @@
 //! S is friction along the shank, which scales with perimeter and depth; the rest deforms and splits the fibres over
 //! the shank's cross-section. F is continuous in D, NL and y, and equals F* at the boundary of the tested sizes. These
 //! are the diameters 2.03 to 4.06 mm with lengths within a factor of [`LENGTH_FACTOR`] of the line through the tested
-//! ones. The share phi is `wood.friction_share`; its limits 1 and 0 mean scaling with the perimeter only and with the
-//! area only.
+//! ones. The share phi is `wood.friction_share`; at its limits, the force scales with the perimeter only (1) or with
+//! the area only (0).
 
 use super::law::Curve;
 use super::{ForceTable, NAILS, Specimen};

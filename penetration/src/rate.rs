@@ -32,7 +32,7 @@ pub(super) struct RateSplit {
 }
 
 impl RateSplit {
-    /// The split of a law with the force `full` \[N\] at the nail's whole length.
+    /// The split of a law with the force `full` \[N\] at the nail's full length.
     pub(super) fn new(wood: &NailedWood, shanks: &Shanks, full: f64, length: f64) -> Self {
         Self {
             friction_slope: shanks.friction_share * full / length,
@@ -46,7 +46,7 @@ impl RateSplit {
         }
     }
 
-    /// The split of a fitted law that is quasi-static, with the dependence on speed of its own tests.
+    /// The split of a fitted law that is quasi-static, with the dependence on speed of its tests.
     pub(super) fn fitted(friction_share: f64, speed: SpeedTerms, full: f64, length: f64) -> Self {
         Self {
             friction_slope: friction_share * full / length,
@@ -96,16 +96,16 @@ impl RateSplit {
     }
 }
 
-/// Force under a head that is a depth d below the wood's surface.
+/// Force under a head at a depth d below the wood's surface.
 ///
 /// ```text
 /// linear:  F = k_w d                          yields:  F = F_y (1 - exp(-k_w d/F_y))
 /// F_y = s f_head d_h^2,   f_head = 70e-6 rho^2   (N/mm2, kg/m3)
 /// ```
 ///
-/// F_y is the head's pull-through resistance of smooth nails, EN 1995-1-1:2004, 8.3.2 (7), with the density of this
-/// wood in place of the characteristic one, times a factor s. The exponential is the load-slip curve of R. O. Foschi,
-/// Load-slip characteristics of nails, Wood Sci. 7, 69, 1974, without hardening.
+/// F_y is the pull-through resistance of the heads of smooth nails, EN 1995-1-1:2004, 8.3.2 (7), with the density of
+/// this wood instead of the characteristic density, times a factor s. The exponential is the load-slip curve of R. O.
+/// Foschi, Load-slip characteristics of nails, Wood Sci. 7, 69, 1974, without hardening.
 #[derive(Debug, Clone, Copy)]
 pub struct HeadContact {
     stiffness: f64,

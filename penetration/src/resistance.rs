@@ -49,7 +49,7 @@ impl Deviation {
     fn of<S: Real>(&self, force: S) -> S {
         let root = (force.value() / self.scale).max(0.0).sqrt();
         let moved = (root + self.b).max(0.0);
-        // dF'/dF = s'/s; a force of 0 is a law cut off there.
+        // dF'/dF = s'/s; the law is cut off where the force is 0.
         let slope = if root > 0.0 { moved / root } else { 0.0 };
         force.chain(self.scale * moved * moved, slope)
     }
@@ -65,7 +65,7 @@ enum Law {
 
 impl Resistance {
     /// Creates the resistance from the law of the wood, or from the table or fit that replaces it. A published law is
-    /// for one shank and is multiplied by their number; the user's own laws are for the fastener as a whole.
+    /// for one shank and is multiplied by the number of shanks. The user's laws are for the complete fastener.
     pub fn new(driven: &Driven<'_>) -> Self {
         let Driven {
             wood,
@@ -107,7 +107,7 @@ impl Resistance {
         };
         let impact = quasi_static.fitted().map_or(0.0, LawOfDrive::usual_impact);
         let full = quasi_static.evaluate(specimen.length, 0.0, impact);
-        // A fitted law contains the effects of speed and coating of its own tests.
+        // A fitted law already contains the effects of speed and coating of its tests.
         let split = match &quasi_static.law {
             Law::Fitted(law) => match law.rate() {
                 Some(own) => RateSplit::fitted(own.friction_share, own.speed, full, specimen.length),
@@ -122,7 +122,7 @@ impl Resistance {
         }
     }
 
-    /// The same resistance in a specimen that deviates from the law by b, of s = sqrt(F_r/(H_M NL)).
+    /// The same resistance in a specimen whose s = sqrt(F_r/(H_M NL)) deviates from the law by b.
     #[must_use]
     pub fn with_deviation(self, b: f64, specimen: &Specimen) -> Self {
         let scale = specimen.hardness_modulus * specimen.length;

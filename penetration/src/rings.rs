@@ -18,7 +18,7 @@ const SPREAD: f64 = 0.25;
 /// ```
 ///
 /// The widths s_i are uniform between 0.75 and 1.25 of their mean, and the surface lies anywhere in the first ring. The
-/// factor and its derivative are continuous; its mean over each ring is 1, so that the work of the law stays.
+/// factor and its derivative are continuous; its mean over each ring is 1, so it does not change the work of the law.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct GrowthRings {
     amplitude: f64,

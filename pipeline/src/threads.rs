@@ -1,4 +1,4 @@
-//! Runs work on another thread, or on the current one if the system grants no more (`ulimit -u`, `ulimit -v`).
+//! Runs work on another thread, or on the current one if the system grants none (`ulimit -u`, `ulimit -v`).
 
 use std::panic::resume_unwind;
 use std::thread::{Builder, Scope, ScopedJoinHandle};

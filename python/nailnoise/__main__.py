@@ -82,11 +82,11 @@ def main() -> int:
         print("interrupted: what was computed for later runs is kept", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # A reader that has seen enough; Python would complain about it once more when it ends.
+        # The reader has closed the pipe. Python would report this again at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception:
-        # 1, the status of Python, is that of a limit that is not met.
+        # Status 1, which Python would return, means a limit that is not met.
         traceback.print_exc()
         print("error: this is a fault of nailnoise\n  help: report the command and the design", file=sys.stderr)
         return 101

@@ -29,10 +29,10 @@ Files = dict[str, bytes]
 #: Beginnings of the names of the small files that the client needs to state a result.
 STATED = ("levels-", "outcomes-")
 
-#: How often a task is begun anew whose worker died or whose machine had no room.
+#: How often a task is restarted if its worker died or its machine had no room.
 RETRIES = 3
 
-#: Candidates drawn at most for each that is wanted, and before any is accepted, as in the study itself.
+#: Maximum number of candidates for each that is wanted, and before any is accepted, as in the study itself.
 MOST, MOST_IN_VAIN = 1000, 4096
 
 
@@ -102,7 +102,7 @@ def _begin(shared: str | None, received: Sequence[Files]) -> str:
     """The folder of a task with what it has received, and as many threads for it as the worker has."""
     from distributed import get_worker
 
-    # Read where the pool of threads of the process begins, with its first task.
+    # Read when the process starts its pool of threads, with its first task.
     os.environ.setdefault("RAYON_NUM_THREADS", str(get_worker().state.nthreads))
     folder = shared or str(_own_folder())
     for files in received:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from optuna.samplers import BaseSampler
     from optuna.trial import Trial
 
-#: Most candidates for each trial: where hardly any shot meets the constraints, an optimisation ends.
+#: Maximum number of candidates per trial; it ends an optimisation if hardly any shot meets the constraints.
 CANDIDATES_A_TRIAL = 20
 
 
@@ -98,7 +98,7 @@ class Optimisation(_Shown):
             return any(other != score and all(a <= b for a, b in zip(other, score)) for other, _ in scored)
 
         best = [(score, trial) for score, trial in sorted(scored, key=lambda own: own[0]) if not bettered(score)]
-        # Of equal ones the first.
+        # The first of equal ones.
         return [trial for place, (score, trial) in enumerate(best) if all(score != other for other, _ in best[:place])]
 
     @property
@@ -119,7 +119,7 @@ class Optimisation(_Shown):
         files = []
         for number, proposal in enumerate(self.front, 1):
             file = place / f"{self.design.name}-{number}.toml"
-            # Whole or not at all: a full disk leaves the older file.
+            # Written completely or not at all: a full disk leaves the older file.
             part = file.with_name(f".{file.name}.{os.getpid()}.tmp")
             try:
                 part.write_text(proposal.toml(base, self.design._values))
@@ -205,7 +205,7 @@ def optimise(
             done += proposal.has_levels
             for name, excess in excesses.items():
                 trial.set_constraint(name, excess)
-            # Of an infeasible trial only the constraints count.
+            # For an infeasible trial, only the constraints count.
             score = found._score(proposal) if proposal.feasible else tuple(math.inf for _ in objectives)
             study.tell(trial, [max(-1e9, min(value, 1e9)) for value in score])
         if show is not None:

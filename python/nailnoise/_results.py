@@ -56,7 +56,7 @@ def _headline(found: dict[str, Any] | None) -> list[str]:
 class Run(_Shown):
     """The ranked sources of a design. ``data`` is result.json as a dictionary, ``json`` its text."""
 
-    #: Samples a second of ``sound``.
+    #: Samples per second of ``sound``.
     sample_rate = 48_000
 
     def __init__(self, text: str, signals: dict[str, list[bytes]], charts: list[tuple[str, str]]) -> None:
@@ -362,7 +362,7 @@ class Study(_Shown):
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         title = "".join(f"{line}\n" for line in _headline(self.data.get("headline")))
         title += f"{self.data['design']['name']}: {self.data['draws']} draws, levels in dB re 1 pW s"
-        # Fewer than 32 draws state no percentiles.
+        # Percentiles need at least 32 draws.
         few = self.data["draws"] < 32
         headings = ["source", "design", "lowest" if few else "P5", "P50", "highest" if few else "P95", "P(first)"]
         ends = {own["source"]: own["level"]["extremes_db"] for own in self.data["sources"]}

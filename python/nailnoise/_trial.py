@@ -105,7 +105,7 @@ class Proposal:
     """A design that was tried."""
 
     values: dict[str, Value]
-    #: Figures of the shot and, where these meet the constraints, levels.
+    #: Figures of the shot and, if these meet the constraints, levels.
     figures: dict[str, Any]
     feasible: bool
     #: Why it is not a design; empty for a design.

@@ -88,7 +88,7 @@ pub(crate) fn store(cache: Option<PathBuf>, keep: bool) -> Result<Store, Error> 
     })
 }
 
-/// A folder that tasks fill and nobody bounds.
+/// A folder that tasks fill, without a size limit.
 pub(crate) fn unbounded(folder: &Path) -> Result<Store, Error> {
     Ok(Store::shared(folder)?)
 }

@@ -23,11 +23,11 @@ create_exception!(
     "The user's cache cannot be used, and work can go on without it."
 );
 
-/// Why work on a separate thread failed.
+/// Reason why work on a separate thread failed.
 pub(crate) enum Refused {
     /// An error of the library.
     Library(Box<Error>),
-    /// An argument that cannot be.
+    /// An impossible argument.
     Value(String),
 }
 
@@ -46,7 +46,7 @@ impl From<Refused> for PyErr {
     }
 }
 
-/// An argument that cannot be.
+/// An impossible argument.
 pub(crate) fn value_error(message: impl Display) -> PyErr {
     PyValueError::new_err(message.to_string())
 }

@@ -1,7 +1,8 @@
-//! The native module of the Python package `nailnoise`: what `python/nailnoise/__init__.py` builds its classes on.
+//! The native module of the Python package `nailnoise`, on which the classes in `python/nailnoise/__init__.py` are
+//! based.
 //!
-//! Results cross as JSON text, tables as CSV text and histories as bytes of 64-bit floats, so that the module needs
-//! neither the C interface of NumPy nor a second layout of any result. Work runs on a separate thread without the
+//! Results are passed as JSON text, tables as CSV text and histories as bytes of 64-bit floats, so that the module
+//! needs neither the C interface of NumPy nor a second layout of any result. Work runs on a separate thread without the
 //! interpreter's lock.
 
 mod blocks;

@@ -1,4 +1,4 @@
-//! How values cross: results as JSON text, numbers as bytes, charts as SVG.
+//! How values are passed: results as JSON text, numbers as bytes, charts as SVG.
 
 use nailnoise::figures::Chart;
 use pyo3::prelude::*;

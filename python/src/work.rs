@@ -1,4 +1,4 @@
-//! Work on a separate thread: the interpreter goes on, progress reaches a callback, and Ctrl-C ends the work.
+//! Work on a separate thread: the interpreter continues, progress is passed to a callback, and Ctrl-C ends the work.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 
 use crate::error::Refused;
 
-/// How often the interpreter is asked for signals.
+/// Interval at which signals to the interpreter are checked.
 const POLL: Duration = Duration::from_millis(20);
 
 /// The message to a callback: a kind (`stage`, `note` or `done`), a text, and items done of how many.

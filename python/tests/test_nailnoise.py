@@ -133,7 +133,7 @@ def test_a_comparison_is_that_of_its_runs(small: nn.Design, cache: Path) -> None
     runs = [nn.run(design, cache=cache) for design in (small, small.with_({"exhaust.holes": 4}))]
     levels = nn.compare(*runs).levels
     assert levels.loc["total"].tolist() == [run.total_db for run in runs]
-    # The variant of a design has its name, and is told apart by a number.
+    # The variant of a design has its name, and is distinguished by a number.
     assert list(levels.columns) == ["small", "small (2)"]
 
 

@@ -63,7 +63,7 @@ pub fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<Measure
     convert(number, unit, text, dimension, gauge)
 }
 
-/// Reads "0.129 .. 0.133 kg": two quantities, where a unit at the end serves both.
+/// Reads "0.129 .. 0.133 kg": two quantities. A unit at the end may apply to both.
 ///
 /// # Errors
 /// Same as [`quantity`].

@@ -18,7 +18,7 @@ pub enum Value {
     Name(Name),
 }
 
-/// A name that a key holds, such as that of a block of an assembly.
+/// A name as the value of a key, such as the name of a block of an assembly.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(transparent)]
 pub struct Name(pub String);

@@ -9,10 +9,10 @@ use nailnoise_dynamics::network::{Assembly, Record};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELOCITY, VOLUME};
 
+use super::quantities::at_rest_outside;
 use super::spread::{self, Spread};
 use crate::result::free_air;
 use crate::sensitivity::AssemblyOutput;
-use crate::sensitivity::interpolated;
 use crate::stages::cycle::outflows;
 
 /// Groups of figures that can be measured; forces inside the tool cannot, and times are measured as intervals.
@@ -21,13 +21,31 @@ const FIGURES: [&str; 3] = ["speed", "penetration", "masses"];
 /// Name of the trigger pull as an event, at t = 0.
 pub(super) const START: &str = "start";
 
-/// When a value is read.
+/// When a value is read: at an event, or some time before or after it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum AssemblyMoment {
+pub(super) struct AssemblyMoment {
+    /// The event, or [`START`].
+    pub(super) event: String,
+    /// Time from the event \[s\].
+    pub(super) after: f64,
+}
+
+impl AssemblyMoment {
     /// At an event.
-    Event(String),
+    pub(super) fn event(event: &str) -> Self {
+        Self {
+            event: event.to_owned(),
+            after: 0.0,
+        }
+    }
+
     /// At a time from the trigger pull \[s\].
-    Time(f64),
+    pub(super) fn time(after: f64) -> Self {
+        Self {
+            event: START.to_owned(),
+            after,
+        }
+    }
 }
 
 /// A quantity that was measured.
@@ -117,17 +135,32 @@ impl AssemblyQuantity {
 
     /// The time from the trigger pull at which it is read, if it is not read at an event \[s\].
     pub(super) fn time(&self) -> Option<f64> {
+        let at = self.moment()?;
+        (at.event == START).then_some(at.after)
+    }
+
+    /// The time from its event at which it is read \[s\].
+    pub(super) fn offset(&self) -> f64 {
+        self.moment().map_or(0.0, |at| at.after)
+    }
+
+    fn moment(&self) -> Option<&AssemblyMoment> {
         match self {
-            Self::Travel { at, .. } | Self::Pressure { at, .. } => match at {
-                AssemblyMoment::Time(time) => Some(*time),
-                AssemblyMoment::Event(_) => None,
-            },
+            Self::Travel { at, .. } | Self::Pressure { at, .. } => Some(at),
             _ => None,
         }
     }
 
-    /// Model error: that of the same kind of quantity of the tool of the keys, of which measurements exist. Intervals
-    /// and pressures have the largest of their kind, because nobody has compared this tool with measurements.
+    /// The same quantity, read some time after its moment \[s\].
+    pub(super) fn after(mut self, time: f64) -> Self {
+        if let Self::Travel { at, .. } | Self::Pressure { at, .. } = &mut self {
+            at.after += time;
+        }
+        self
+    }
+
+    /// Model error: that of the same kind of quantity of the tool of the keys, for which measurements exist. Intervals
+    /// and pressures have the largest error of their kind, because this tool has not been compared with measurements.
     pub(super) fn discrepancy(&self) -> Spread {
         match self {
             Self::Figure(own) if own.unit == "m" => spread::LENGTH_ERROR,
@@ -164,18 +197,16 @@ impl AssemblyQuantity {
         }
     }
 
-    /// Its value in a shot. An event that has not occurred at the end of the record may still follow, so that the end
-    /// bounds the interval.
+    /// Its value in a shot. An event that has not occurred at the end of the record may still follow. The end is then a
+    /// lower bound of the interval.
     pub(super) fn predict(&self, record: &Record, ambient: &Ambient) -> Prediction {
         let known = |value: Option<f64>| value.map_or(Prediction::Missing, Prediction::Value);
         let event = |name: &str| if name == START { Some(0.0) } else { record.event(name) };
         let sampled = |channel: String, at: &AssemblyMoment| {
-            let time = match at {
-                AssemblyMoment::Event(name) => event(name),
-                AssemblyMoment::Time(time) => Some(*time),
-            };
-            let value = |time| interpolated(record.get(&channel)?, record.interval?, time);
-            known(time.and_then(value))
+            // A time from the trigger pull is within the longest record.
+            let end = if at.event == START { f64::INFINITY } else { record.end };
+            let value = |event: f64| at_rest_outside(record.get(&channel)?, record.interval?, event + at.after, end);
+            known(event(&at.event).and_then(value))
         };
         match self {
             Self::Figure(own) => known(own.of(record)),
@@ -200,8 +231,8 @@ impl AssemblyQuantity {
     }
 }
 
-/// Whether the pressure of a volume at the end of the record is that of its start, as in a tool that is ready again, or
-/// ambient, as in a vessel that is empty; within a part of its largest change.
+/// Whether the pressure of a volume at the end of the record equals its initial pressure (as in a tool that is ready
+/// again) or the ambient pressure (as in an empty vessel), within a fraction of its largest change.
 fn has_settled(record: &Record, volume: &str, ambient: f64) -> bool {
     const SETTLED: f64 = 0.02;
     let Some(pressure) = record.get(&format!("{volume}.pressure")) else {

@@ -1,8 +1,8 @@
 //! Simulation-based calibration of a tool and its measurements: truths drawn from the ranges, with the observed
 //! outcomes, are measured with the stated errors and calibrated. [`nailnoise_calibration::ranks`] explains the test.
 //!
-//! A run with a conflict or with diagnostics beyond their limits is counted apart: places are uniform given any event
-//! that the readings decide. Finished runs are files, so that a check that was cut off goes on.
+//! A run with a conflict or with diagnostics beyond their limits is counted separately: places are uniform given any
+//! event that the readings decide. Finished runs are stored in files, so that an interrupted check can be resumed.
 
 use std::fs;
 use std::path::Path;
@@ -43,11 +43,12 @@ const PLACES: u64 = 0x5EED_7A17_C005;
 /// Largest number of candidates for a truth.
 const MOST_IN_VAIN: u64 = 1 << 16;
 
-/// Probability below which the smallest of all tested quantities is not by chance.
+/// If the smallest probability of all tested quantities, times their number, is below this, the deviation is not due to
+/// chance.
 const BY_CHANCE: f64 = 0.01;
 
-/// Work of a calibration, measured on the shipped design: candidates for each draw where 6 % have the outcome, steps of
-/// the sampler, and cycles for each proposal, of which most are rejected after the first condition.
+/// Work of a calibration, measured on the shipped design: candidates per draw if 6 % have the outcome, steps of the
+/// sampler, and cycles per proposal. Most proposals are rejected after the first condition.
 const CANDIDATES: f64 = 17.0;
 const STEPS: f64 = 4.7;
 const CYCLES: f64 = 1.35;
@@ -85,9 +86,9 @@ pub struct CheckResult {
     pub counted: usize,
     /// Runs with diagnostics beyond their limits.
     pub not_converged: usize,
-    /// Converged runs in which a reading is in conflict.
+    /// Converged runs with a reading in conflict.
     pub in_conflict: usize,
-    /// Share of all quantities within their 90 % intervals in the counted runs, and in those counted apart; null
+    /// Share of all quantities within their 90 % intervals in the counted runs, and in those counted separately; null
     /// without such runs.
     pub within_90: [Option<f64>; 2],
     /// The quantities.
@@ -113,7 +114,7 @@ pub struct CheckRow {
     pub kind: CheckedKind,
     /// Place of the truth among the draws of each counted run, 0 to 1; null where a shot does not have the quantity.
     pub places: Vec<Option<f64>>,
-    /// Number of counted runs in which the input moved; all for other quantities.
+    /// Number of counted runs in which the input moved; for other quantities, all counted runs.
     pub moved: usize,
     /// Whether it is tested.
     pub tested: bool,

@@ -151,7 +151,7 @@ pub(super) fn place<'n>(
             true => format!("add the {what} to [{what}]"),
             false => format!("{near}choose from {}", all.join(", ")),
         };
-        table.error(key, format!("is \"{name}\", which is no {what}"), help)
+        table.error(key, format!("is \"{name}\", which is not a known {what}"), help)
     })
 }
 

@@ -10,8 +10,8 @@ use crate::design::Design;
 /// Relative rounding of frequencies.
 const ROUNDING: f64 = 1e-6;
 
-/// Nominal mid-band frequencies of the bands that are wholly within a range \[Hz\]: a band that the range cuts is
-/// predicted without a part of its energy.
+/// Nominal mid-band frequencies of the bands that are completely within a range \[Hz\]. The prediction of a band that
+/// the range cuts does not contain all of its energy.
 pub(super) fn within([low, high]: [f64; 2]) -> Vec<f64> {
     let is_within = |own: &Band| own.low >= low * (1.0 - ROUNDING) && own.high <= high * (1.0 + ROUNDING);
     let bands = bands_of([low, high]).into_iter().filter(is_within);
@@ -35,7 +35,7 @@ pub(super) fn band(table: &Keys<'_, '_>, value: &Value<'_>, design: &Design) -> 
     known.iter().find(is_own).copied().ok_or_else(|| {
         let names: Vec<String> = known.iter().map(f64::to_string).collect();
         let problem = format!(
-            "is {hz} Hz, which is no one-third octave within {} to {} Hz",
+            "is {hz} Hz, which is not a one-third octave within {} to {} Hz",
             range[0], range[1]
         );
         table.wrong(

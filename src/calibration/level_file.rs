@@ -30,7 +30,7 @@ const LARGEST: u64 = 64 << 20;
 /// Name of all sources together.
 const TOTAL: &str = crate::result::TOTAL;
 
-/// A level this far above that of a silent source consists of the source for more than half \[dB\].
+/// If a level is this far above that of a silent source, more than half of its energy is from the source \[dB\].
 const ABOVE_FLOOR: f64 = 3.0;
 
 /// Largest difference of equal ends of ranges \[Hz\].
@@ -222,7 +222,7 @@ fn method(hz: f64) -> f64 {
     }
 }
 
-/// Standard deviation between shots, where a test has one shot only \[dB\].
+/// Standard deviation between shots, if a test has only one shot \[dB\].
 fn default_scatter() -> f64 {
     let level = LevelQuantity::Sound {
         source: None,
@@ -244,8 +244,9 @@ fn in_band(bands: &[MeasuredBand], hz: f64) -> Option<f64> {
 
 /// The level of a source or of all of them in a test.
 ///
-/// The workpiece's own reading is masked by the wrap of the body, and the total less exhaust and body contains what
-/// passes all wraps, so that it lies between the two. Levels in bands are those by energies, which have no bias.
+/// The level of the workpiece lies between two readings. The wrap of the body masks its own reading. The total less
+/// exhaust and body also contains the sound that passes all wraps. Levels in bands are calculated from energies, which
+/// have no bias.
 fn level(test: &MeasurementResult, source: &str, band: Option<f64>) -> Option<Level> {
     let scatter = |level: &RepeatedLevel| level.standard_db.unwrap_or_else(default_scatter);
     if source == TOTAL {
@@ -286,7 +287,7 @@ fn level(test: &MeasurementResult, source: &str, band: Option<f64>) -> Option<Le
         (Some((low, _, of_low)), Some((high, of_high))) if low < high => {
             (Reading::Within([low, high]), of_low.max(of_high))
         }
-        // Their errors exceed what masks the one and what passes the wraps of the other.
+        // Their errors exceed the masking of the one and the sound through the wraps of the other.
         (Some((low, _, of_low)), Some((high, of_high))) => (Reading::Value(0.5 * (low + high)), of_low.max(of_high)),
         (Some((low, _, of_low)), None) => (Reading::AtLeast(low), of_low),
         (None, Some((high, of_high))) => (Reading::AtMost(high), of_high),

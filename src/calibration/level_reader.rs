@@ -49,7 +49,7 @@ pub(super) struct OfLevel<'a, 't, 'i> {
     pub(super) instruments: &'a [(String, Keys<'t, 'i>)],
 }
 
-/// What the values of a measurement are given in.
+/// Quantity in which the values of a measurement are given.
 #[derive(Clone, Copy)]
 enum Given {
     Decibels,
@@ -69,7 +69,7 @@ impl Given {
                 let own = own.strip_suffix("dB").unwrap_or(own);
                 number(own).ok_or_else(|| "expected a level in dB".to_owned())
             }
-            // Accelerometers are read in multiples of the acceleration due to gravity, for which other keys use a mass.
+            // For accelerometers, `g` is the acceleration due to gravity; in other keys, it is the gram.
             Self::Acceleration => match text.trim().strip_suffix('g').and_then(number) {
                 Some(own) => Ok(own * STANDARD_GRAVITY),
                 None => measure(text, ACCELERATION).map_err(|problem| format!("{problem}, or g")),

@@ -30,11 +30,12 @@ use crate::stages::Progress;
 /// Errors of methods drawn for each shot.
 pub(super) const ERRORS: usize = 16;
 
-/// Share of the first shots that must be effective for these to suffice, and the least number of effective shots.
+/// Share of the first shots that must be effective for these to suffice, and the minimum number of effective shots.
 const ENOUGH: f64 = 0.25;
 pub(super) const FEWEST: f64 = 32.0;
 
-/// Part of a method's error next to each of its bounds, and the share of the draws there from which it is pressed.
+/// Fraction of the range of a method's error next to each bound, and the share of draws there above which it is
+/// pressed.
 const END: f64 = 0.05;
 const PRESSED: f64 = 0.25;
 
@@ -53,11 +54,12 @@ pub struct LevelRow {
     pub output: String,
     /// P5, P50 and P95 of the study of the design; null if there is none.
     pub ranges: Option<[f64; 3]>,
-    /// P5, P50 and P95 given the readings of the cycle alone.
+    /// P5, P50 and P95 given only the readings of the cycle.
     pub before: [f64; 3],
-    /// P5, P50 and P95 given the levels, too.
+    /// P5, P50 and P95 given the levels as well.
     pub now: [f64; 3],
-    /// Probability that it is the loudest source, given the cycle alone and the levels, too; null for the total.
+    /// Probability that it is the loudest source: given only the cycle, and given the levels as well; null for the
+    /// total.
     pub first: Option<[f64; 2]>,
 }
 
@@ -220,7 +222,7 @@ fn families(levels: &[MeasuredLevel]) -> Vec<String> {
     families
 }
 
-/// The likelihood of the levels, of which `left_out` are only predicted; `factors` widen their independent errors. Half
+/// The likelihood of the levels. Those in `left_out` are only predicted; `factors` widen the independent errors. Half
 /// of the variance of the model's error is common to all levels of a source.
 fn likelihood(
     posterior: &Posterior,
@@ -338,8 +340,8 @@ impl Levelled {
         found.collect()
     }
 
-    /// A level with which a reading of the cycle is improbable, that reading, and its probability. The level is the one
-    /// without which the reading is most probable.
+    /// A level that makes a reading of the cycle improbable, that reading, and its probability. The reading is most
+    /// probable if this level is left out.
     fn conflict_with_cycle(&self, posterior: &Posterior) -> Option<(usize, usize, f64)> {
         let likelihood = &posterior.likelihood;
         let particles: Vec<Particle> = (self.draws.rows.iter())
@@ -401,7 +403,7 @@ impl Levelled {
         sums
     }
 
-    /// Number of the posterior's draw from which a weighted draw comes.
+    /// Number of the posterior's draw that a weighted draw repeats.
     pub(super) fn row(&self, draw: usize) -> usize {
         self.draws.rows[self.origins[draw].shot]
     }
@@ -450,8 +452,8 @@ impl Levelled {
         conflict::probability(&self.likelihood, level, &self.particles, &weights, 1.0)
     }
 
-    /// Ends of the methods' errors to which a level, with all others that count, presses the draws: source, whether it
-    /// is the upper end, and the share of the draws there.
+    /// Ends of the methods' errors against which a level, together with all others that count, presses the draws:
+    /// source, whether it is the upper end, and the share of the draws there.
     pub(super) fn pressed(&self, level: usize) -> Vec<(&str, bool, f64)> {
         let terms = self.log_weights(&[level]).into_iter().zip(&self.particles);
         let log: Vec<f64> = terms

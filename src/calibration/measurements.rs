@@ -71,6 +71,8 @@ pub(super) struct Measured {
     pub(super) condition: usize,
     pub(super) quantity: Quantity,
     pub(super) reading: Reading,
+    /// Whether it is a point of a recorded history, whose error contains part of the model's.
+    pub(super) is_point: bool,
     /// Standard deviation of the independent error of the mean over all shots, including the scatter of shots.
     pub(super) error: f64,
     /// Standard deviation of the model's error.

@@ -33,6 +33,7 @@ mod spread;
 mod start;
 mod structures;
 mod tool;
+mod trace;
 #[cfg(test)]
 mod twins;
 
@@ -58,7 +59,7 @@ use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::store::Store;
 
-/// Name of the measurements where there are none.
+/// Name of the measurements if there are none.
 const NO_MEASUREMENTS: &str = "no measurements";
 
 /// Calibrates the design in a file, with further assignments, using the measurements in another file. Without
@@ -146,7 +147,7 @@ pub struct CheckRequest<'a> {
     pub folder: &'a Path,
 }
 
-/// Checks a calibration, see [`CheckResult`]. `before` is given the work ahead.
+/// Checks a calibration, see [`CheckResult`]. `before` receives the estimated work.
 ///
 /// # Errors
 /// Those of [`calibrate`], and of the files in the folder.
@@ -208,15 +209,29 @@ impl Inputs {
         let held_out = request.hold_out.iter().map(|name| {
             let known = measured.data.iter().map(|own| own.name.as_str());
             let known = known.chain(measured.levels.iter().map(|own| own.name.as_str()));
-            known
-                .clone()
-                .position(|own| own == name)
-                .ok_or_else(|| CalibrationError::HeldOut {
+            // The readings of a file have the name of its measurement with a suffix.
+            let is_held = |own: &str| {
+                let rest = own.strip_prefix(name.as_str());
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+            };
+            let exact = known.clone().position(|own| own == name);
+            let places: Vec<usize> = match exact {
+                Some(place) => vec![place],
+                None => (0..)
+                    .zip(known.clone())
+                    .filter(|(_, own)| is_held(own))
+                    .map(|(place, _)| place)
+                    .collect(),
+            };
+            match places.is_empty() {
+                false => Ok(places),
+                true => Err(CalibrationError::HeldOut {
                     name: name.clone(),
                     known: known.collect::<Vec<_>>().join(", "),
-                })
+                }),
+            }
         });
-        let held_out = held_out.collect::<Result<Vec<usize>, _>>()?;
+        let held_out = held_out.collect::<Result<Vec<Vec<usize>>, _>>()?.concat();
         let of_cycle = measured.data.len();
         let (held_out, held_levels): (Vec<usize>, Vec<usize>) = held_out.into_iter().partition(|&own| own < of_cycle);
         let held_levels: Vec<usize> = held_levels.into_iter().map(|own| own - of_cycle).collect();

@@ -1,5 +1,5 @@
 //! What to measure next: the gain of usual measurements in the interval of the total and in the order of the sources,
-//! from the draws at hand and their levels.
+//! from the available draws and their levels.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -114,7 +114,7 @@ static USUAL: [Usual; 9] = [
     },
     Usual {
         name: Cow::Borrowed("pressure above the piston at full depth"),
-        quantity: Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9)),
+        quantity: Quantity::Pressure(Chamber::AbovePiston, Moment::event(9)),
         error: PRESSURE.0,
         minutes: PRESSURE.1,
     },
@@ -164,7 +164,7 @@ fn of_assembly(assembly: &Assembly) -> Vec<Usual> {
     figures.chain(air).chain(pressures).collect()
 }
 
-/// Minutes to measure a key on the tool itself, which is taken apart for it; errors of a length, and of anything else.
+/// Minutes to measure a key on the disassembled tool; errors of a length, and of any other quantity.
 const DIRECT_MINUTES: f64 = 60.0;
 const DIRECT_LENGTH: f64 = 0.1e-3;
 const DIRECT_SHARE: f64 = 0.01;
@@ -206,7 +206,7 @@ pub struct NextRow {
     pub measurement: String,
     /// Pressure of the supply; empty for a key of the tool.
     pub condition: String,
-    /// Standard deviation of its error with that of the model, in the unit.
+    /// Standard deviation of its error, including that of the model, in the unit.
     pub error: f64,
     /// SI unit.
     pub unit: String,
@@ -216,11 +216,11 @@ pub struct NextRow {
     pub width: [f64; 2],
     /// Largest probability of a source to be first now, and on average with it.
     pub first: [f64; 2],
-    /// Fall of the width for an hour of work \[dB/h\].
+    /// Decrease of the width per hour of work \[dB/h\].
     pub narrower_an_hour: f64,
-    /// Rise of the probability for an hour of work \[1/h\].
+    /// Increase of the probability per hour of work \[1/h\].
     pub surer_an_hour: f64,
-    /// Whether the draws are too few for it, so that its gain is a lower bound.
+    /// Whether there are too few draws for it. Its gain is then a lower bound.
     pub is_bound: bool,
 }
 
@@ -237,7 +237,7 @@ pub(super) struct Levelled<'a> {
 }
 
 impl Levelled<'_> {
-    /// The measurements by what an hour of work makes narrower, from the levels of `count` draws.
+    /// The measurements in the order of the gain per hour of work, from the levels of `count` draws.
     ///
     /// # Errors
     /// The errors of a study.
@@ -329,14 +329,14 @@ impl Levelled<'_> {
         let of = |&row: &usize| {
             let mut own = self.tool.design(self.design, self.points[row])?;
             own.set(&[("supply.pressure", Value::Number(pressure))]).ok()?;
-            Shot::of(&own, own.analysis.cycle_end).ok()
+            Shot::of(&own, own.analysis.cycle_end, false).ok()
         };
         rows.par_iter().map(of).collect()
     }
 }
 
-/// The measurements that the draws of a known study can weigh, by what an hour of work makes narrower: the level at a
-/// microphone, and keys of parts. Empty without a study.
+/// The measurements that the draws of a known study can weigh, in the order of the gain per hour of work: the level at
+/// a microphone, and keys of parts. Empty without a study.
 ///
 /// # Errors
 /// If a design cannot be digested, or a provided study does not follow its layout.
@@ -373,7 +373,8 @@ pub fn next_of_study(store: &Store, design: &Design) -> Result<Vec<NextRow>, Err
     Ok(rows)
 }
 
-/// The level of all sources at one microphone: its difference from the sound power level is known to the model's error.
+/// The level of all sources at one microphone: its difference from the sound power level is known to within the model's
+/// error.
 fn level(total: &[f64]) -> Candidate {
     let sound = LevelQuantity::Sound {
         source: None,
@@ -392,7 +393,7 @@ fn level(total: &[f64]) -> Candidate {
 }
 
 /// A key of a part of a design's tool; none if it cannot be measured on the part. The numbers and keys of an assembly
-/// are of parts.
+/// belong to parts.
 fn of_part(design: &Design, name: &str, unit: &str, predictions: Vec<f64>) -> Option<Candidate> {
     let is_own = |own: &AssemblyText| name.starts_with(OF_ASSEMBLY) || own.declared().contains_key(name);
     let is_part = PARTS.iter().any(|part| name.starts_with(part)) || design.assembly().is_some_and(is_own);

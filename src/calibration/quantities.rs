@@ -20,8 +20,8 @@ const RETURN: usize = 12;
 /// Last event of the drive.
 const DRIVEN: usize = 9;
 
-/// End of a record from which only the drive is read \[s\].
-const END_OF_DRIVE: f64 = 45e-3;
+/// End of a record of which only the drive is used \[s\].
+pub(super) const END_OF_DRIVE: f64 = 45e-3;
 
 /// Shortest record for quantities of the return stroke \[s\]: by 100 ms, the piston has not reached its stopper in half
 /// of the draws that drive the nail.
@@ -59,13 +59,39 @@ impl Chamber {
     }
 }
 
-/// When a value is read.
+/// When a value is read: at an event, or some time before or after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Moment {
+pub(super) struct Moment {
+    /// The event; t0 is the trigger pull, at 0.
+    pub(super) event: usize,
+    /// Time from the event \[s\].
+    pub(super) after: f64,
+}
+
+impl Moment {
     /// At an event.
-    Event(usize),
+    pub(super) const fn event(event: usize) -> Self {
+        Self { event, after: 0.0 }
+    }
+
     /// At a time from the trigger pull \[s\].
-    Time(f64),
+    pub(super) const fn time(after: f64) -> Self {
+        Self { event: 0, after }
+    }
+
+    /// Its time from the trigger pull, if it does not depend on another event \[s\].
+    fn fixed(self) -> Option<f64> {
+        (self.event == 0).then_some(self.after)
+    }
+
+    /// The event that decides the length of the record: its own, or an event of the return stroke if it lies later.
+    fn last_event(self) -> usize {
+        if self.event > 0 && self.after <= 0.0 {
+            self.event
+        } else {
+            self.event.max(RETURN)
+        }
+    }
 }
 
 /// The number of an event from its name, such as `t6`.
@@ -175,8 +201,17 @@ impl Quantity {
     pub(super) fn time(&self) -> Option<f64> {
         match self {
             Self::OfAssembly(own) => own.time(),
-            Self::PistonTravel(Moment::Time(time)) | Self::Pressure(_, Moment::Time(time)) => Some(*time),
+            Self::PistonTravel(moment) | Self::Pressure(_, moment) => moment.fixed(),
             _ => None,
+        }
+    }
+
+    /// The time from its event at which it is read \[s\].
+    pub(super) fn offset(&self) -> f64 {
+        match self {
+            Self::OfAssembly(own) => own.offset(),
+            Self::PistonTravel(moment) | Self::Pressure(_, moment) => moment.after,
+            _ => 0.0,
         }
     }
 
@@ -198,10 +233,10 @@ impl Quantity {
 
     /// Standard deviation of the model's error at a measured value.
     ///
-    /// From published comparisons of the model: times differ by 2.6 % rms except for the drive, pressures above the
-    /// piston by 7.5 % rms. From the comparison with the N80CB (`docs/validation.md`), for figures that the ranges of
-    /// its inputs do not contain, the distance to their interval: 8 % for the mean speed, 0.25 ms for the drive. The
-    /// values for depth, speed before impact and travel are estimates.
+    /// In published comparisons of the model, times differ by 2.6 % rms except for the drive, and pressures above the
+    /// piston by 7.5 % rms. In the comparison with the N80CB (`docs/validation.md`), some figures are outside the
+    /// interval that the ranges of its inputs give. Their error is the distance to that interval: 8 % for the mean
+    /// speed, 0.25 ms for the drive. The values for depth, speed before impact and travel are estimates.
     pub(super) fn discrepancy(&self, value: f64) -> f64 {
         let share = |share: f64| Spread::new(share, 0.0).at(value);
         match self {
@@ -232,6 +267,20 @@ impl Quantity {
         }
     }
 
+    /// The same quantity, read some time after its moment \[s\].
+    pub(super) fn after(self, time: f64) -> Self {
+        let later = |moment: Moment| Moment {
+            after: moment.after + time,
+            ..moment
+        };
+        match self {
+            Self::OfAssembly(own) => Self::OfAssembly(own.after(time)),
+            Self::PistonTravel(moment) => Self::PistonTravel(later(moment)),
+            Self::Pressure(chamber, moment) => Self::Pressure(chamber, later(moment)),
+            own => own,
+        }
+    }
+
     /// The group of predictions with which it shares part of its model error.
     pub(super) fn family(&self) -> Option<Family> {
         match self {
@@ -248,14 +297,10 @@ impl Quantity {
             // The record of an assembly ends as its file states.
             Self::OfAssembly(_) => return of_design,
             Self::HeadDepth | Self::MeanDriveSpeed | Self::SpeedBeforeImpact => DRIVEN,
-            Self::Interval { to: event, .. }
-            | Self::PistonTravel(Moment::Event(event))
-            | Self::Pressure(_, Moment::Event(event)) => *event,
+            Self::Interval { to: event, .. } => *event,
+            Self::PistonTravel(moment) | Self::Pressure(_, moment) => moment.last_event(),
             Self::AirPerShot => EVENTS,
-            Self::PistonTravel(Moment::Time(_))
-            | Self::Pressure(_, Moment::Time(_))
-            | Self::PeakPressure(_)
-            | Self::SupplyDrop => RETURN,
+            Self::PeakPressure(_) | Self::SupplyDrop => RETURN,
         };
         match last {
             ..=DRIVEN => of_design.min(END_OF_DRIVE),
@@ -282,13 +327,14 @@ impl Quantity {
     fn predict_of_keys(&self, record: &CycleRecord, ambient: &Ambient, end: f64) -> Prediction {
         let known = |value: Option<f64>| value.map_or(Prediction::Missing, Prediction::Value);
         let events = record.figures.events.to_array();
-        let at = |moment: Moment| match moment {
-            Moment::Time(time) => Some(time),
-            Moment::Event(event) => events[event],
+        let at = |moment: Moment| {
+            moment
+                .fixed()
+                .or(events[moment.event].map(|event| event + moment.after))
         };
         let sampled = |values: &[f64], moment: Moment| {
-            let at = at(moment);
-            known(at.and_then(|time| interpolated(values, record.sample_interval(), time)))
+            let value = |time: f64| at_rest_outside(values, record.sample_interval(), time, end);
+            known(at(moment).and_then(value))
         };
         match *self {
             Self::OfAssembly(_) => Prediction::Missing,
@@ -322,6 +368,16 @@ impl Quantity {
     }
 }
 
+/// Value of a history at a time up to `end` \[s\]. Before the trigger pull and after a record that ended early, the
+/// tool is at rest.
+pub(super) fn at_rest_outside(values: &[f64], interval: f64, time: f64, end: f64) -> Option<f64> {
+    let last = interval * values.len().checked_sub(1)? as f64;
+    if time > end.max(last) {
+        return None;
+    }
+    interpolated(values, interval, time.clamp(0.0, last))
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -346,7 +402,7 @@ mod tests {
         );
         let (t6, t9) = (record.figures.events.t6.unwrap(), record.figures.events.t9.unwrap());
         assert_eq!(of(Quantity::Interval { from: 6, to: 9 }), Prediction::Value(t9 - t6));
-        let at_impact = of(Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9))).value();
+        let at_impact = of(Quantity::Pressure(Chamber::AbovePiston, Moment::event(9))).value();
         let nearest = record.history("above_piston.pressure")[(t9 / record.sample_interval()).round() as usize];
         assert!((at_impact / nearest - 1.0).abs() < 1e-3);
         assert!(of(Quantity::PeakPressure(Chamber::AbovePiston)).value() > at_impact);
@@ -377,5 +433,19 @@ mod tests {
         assert_eq!(end(Quantity::HeadDepth), END_OF_DRIVE);
         assert_eq!(end(Quantity::Interval { from: 6, to: 16 }), END_OF_RETURN);
         assert_eq!(end(Quantity::SupplyDrop), 0.1);
+        let around = |event: usize, after: f64| end(Quantity::PistonTravel(Moment { event, after }));
+        assert_eq!(around(9, -1e-3), END_OF_DRIVE);
+        assert_eq!(around(9, 1e-3), 0.1);
+        assert_eq!(around(16, 1e-3), END_OF_RETURN);
+    }
+
+    #[test]
+    fn a_tool_is_at_rest_before_its_shot_and_after_a_record_that_ended_early() {
+        let at = |time: f64| at_rest_outside(&[1.0, 3.0, 5.0], 0.5, time, 2.0);
+        assert_eq!(
+            [-1.0, 0.25, 1.0, 1.5].map(at),
+            [Some(1.0), Some(2.0), Some(5.0), Some(5.0)]
+        );
+        assert_eq!(at(2.5), None);
     }
 }

@@ -9,12 +9,17 @@ use nailnoise_quantities::measure;
 use super::assembly_quantities::{AssemblyMoment, AssemblyQuantity, START, air_per_shot, figures};
 use super::fields::{place, words};
 use super::level_quantities;
+use super::measurements::Condition;
 use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, event};
 
-/// Keys for measurements of modes and traces, which are not supported.
-const OF_NOT_BUILT: [&str; 9] = [
-    "file", "column", "align", "from", "to", "points", "body", "hz", "mounted",
-];
+/// Keys for measurements of modes, which are not supported.
+const OF_NOT_BUILT: [&str; 3] = ["body", "hz", "mounted"];
+
+/// Quantities whose recorded history can be read.
+pub(super) const OF_TRACE: [&str; 3] = ["pressure", "piston_travel", "travel"];
+
+/// Keys that only a recorded history has.
+const ONLY_OF_TRACE: [&str; 6] = ["file", "column", "align", "from", "to", "points"];
 
 /// Quantities of any assembly besides its figures, with their fields.
 const OF_ANY_ASSEMBLY: [&str; 5] = ["interval", "travel", "pressure", "peak_pressure", "air_per_shot"];
@@ -27,16 +32,32 @@ pub(super) struct QuantityReader<'a, 't, 'i> {
     pub(super) table: &'a Keys<'t, 'i>,
     /// The assembly of the design; none for the tool of the keys.
     pub(super) assembly: Option<&'a Assembly>,
+    /// Whether the table names a recorded history, whose time zero is the event in `align`.
+    pub(super) is_trace: bool,
 }
 
 impl QuantityReader<'_, '_, '_> {
-    /// Refuses fields of measurements that are not supported.
+    /// Refuses, in the table of a single value, fields of measurements that are not supported and those of a history.
     ///
     /// # Errors
     /// The first such field.
-    pub(super) fn refuse_not_built(&self) -> Result<(), KeyError> {
-        let key = OF_NOT_BUILT.iter().find(|key| self.table.get(key).is_some());
-        key.map_or(Ok(()), |key| Err(self.not_built(key)))
+    pub(super) fn refuse_other_kinds(&self) -> Result<(), KeyError> {
+        let given = |key: &&&str| self.table.get(key).is_some();
+        if let Some(key) = OF_NOT_BUILT.iter().find(given) {
+            return Err(self.not_built(key));
+        }
+        match ONLY_OF_TRACE.iter().find(given) {
+            Some(key) => {
+                let of_tool = if self.assembly.is_some() {
+                    "travel"
+                } else {
+                    "piston_travel"
+                };
+                let help = format!("give `file` and the quantity `pressure` or `{of_tool}`, or remove it");
+                Err(self.table.error(key, "belongs to a recorded history", help))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The quantity.
@@ -56,7 +77,8 @@ impl QuantityReader<'_, '_, '_> {
         place(table, "quantity", name, known, "quantity")?;
         let fields: &[&str] = match name {
             "interval" => &["events"],
-            "piston_travel" => &["at"],
+            "travel" | "pressure" if self.is_trace => &["of"],
+            "piston_travel" if !self.is_trace => &["at"],
             "travel" | "pressure" => &["of", "at"],
             "peak_pressure" => &["of"],
             _ => &[],
@@ -74,6 +96,37 @@ impl QuantityReader<'_, '_, '_> {
         }
     }
 
+    /// Refuses a quantity that is read outside the record of the shot; `key` states its time.
+    ///
+    /// # Errors
+    /// The time, with its remedy.
+    pub(super) fn within_the_record(&self, key: &str, of: &Quantity, condition: &Condition) -> Result<(), KeyError> {
+        let (end, of_end) = match self.assembly {
+            Some(own) => (own.end, "cycle.end"),
+            None => (condition.design.analysis.cycle_end, "analysis.cycle_end"),
+        };
+        let offset = of.offset();
+        match of.time() {
+            Some(time) if time > of.end(end) => {
+                let problem = format!("is {time} s, after the end of the record at {end} s");
+                let help = format!("give an earlier time, or raise `{of_end}`");
+                Err(self.table.error(key, problem, help))
+            }
+            Some(time) if time < 0.0 => {
+                let problem = format!("is {time} s, before the trigger pull");
+                let help = format!("give a later `{key}`, or in `align` the event at time 0 of the file");
+                Err(self.table.error(key, problem, help))
+            }
+            None if offset.abs() > end => {
+                let problem = format!("is {offset} s from its event, more than the record of {end} s");
+                Err(self
+                    .table
+                    .error(key, problem, format!("give a time nearer to the event as `{key}`")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Names of the quantities of the cycle.
     fn names(&self) -> Vec<String> {
         match self.assembly {
@@ -86,7 +139,7 @@ impl QuantityReader<'_, '_, '_> {
     }
 
     fn not_built(&self, key: &str) -> KeyError {
-        let problem = "belongs to a measurement of a mode or a trace, with which this version cannot calibrate";
+        let problem = "belongs to a measurement of a mode, with which this version cannot calibrate";
         let names = self.names().join(", ");
         let help = format!("choose from {names}, {}", level_quantities::NAMES.join(", "));
         self.table.error(key, problem, help)
@@ -126,11 +179,17 @@ impl QuantityReader<'_, '_, '_> {
     }
 
     fn moment_of_keys(&self) -> Result<Moment, KeyError> {
+        if self.is_trace {
+            let word = self.table.text("align", "\"t9\"")?.unwrap_or("t0");
+            return event(word)
+                .map(Moment::event)
+                .ok_or_else(|| self.unknown_event("align"));
+        }
         let value = self.table.required("at", "\"t9\", or a time from the trigger pull")?;
         if let Some(word) = value.get_ref().as_str().filter(|word| word.starts_with('t')) {
-            return event(word).map(Moment::Event).ok_or_else(|| self.unknown_event("at"));
+            return event(word).map(Moment::event).ok_or_else(|| self.unknown_event("at"));
         }
-        self.time().map(Moment::Time)
+        self.time().map(Moment::time)
     }
 
     /// The time in `at` \[s\].
@@ -208,14 +267,19 @@ impl QuantityReader<'_, '_, '_> {
     }
 
     fn moment_of_assembly(&self, assembly: &Assembly) -> Result<AssemblyMoment, KeyError> {
+        let known = assembly.events.iter().map(|own| own.name.as_str());
+        if self.is_trace {
+            let word = self.table.text("align", "the name of an event")?.unwrap_or(START);
+            place(self.table, "align", word, std::iter::once(START).chain(known), "event")?;
+            return Ok(AssemblyMoment::event(word));
+        }
         let value = self.table.required("at", "\"10 ms\", or the name of an event")?;
         let word = value.get_ref().as_str().unwrap_or_default();
         let is_time = word.is_empty() || word.starts_with(|first: char| first.is_ascii_digit() || first == '.');
         if is_time {
-            return self.time().map(AssemblyMoment::Time);
+            return self.time().map(AssemblyMoment::time);
         }
-        let known = assembly.events.iter().map(|own| own.name.as_str());
         place(self.table, "at", word, known, "event")?;
-        Ok(AssemblyMoment::Event(word.to_owned()))
+        Ok(AssemblyMoment::event(word))
     }
 }

@@ -24,6 +24,7 @@ use super::measurements::{
 use super::next;
 use super::quantities::Quantity;
 use super::quantity_reader::QuantityReader;
+use super::trace::OfTrace;
 use crate::design::{Assignment, Design, DesignError};
 
 /// Name and version of the layout.
@@ -105,7 +106,7 @@ impl Reader<'_> {
         for (_, table) in &instruments {
             table.only(&["error"])?;
             let value = table.required("error", "\"1 %\"")?;
-            // Its unit is that of the readings, so that only digits tell here.
+            // The unit is that of the readings, so only the digits can be checked here.
             let is_zero = |text: &str| !text.contains(|digit: char| ('1'..='9').contains(&digit));
             if value
                 .get_ref()
@@ -149,6 +150,15 @@ impl Reader<'_> {
                 };
                 levels.extend(at.measured(name, &mut notes)?);
                 tests.push(format!("{name}.method"));
+            } else if OfTrace::is_trace(table) {
+                let at = OfTrace {
+                    table,
+                    document,
+                    assembly: self.assembly,
+                    conditions,
+                    instruments,
+                };
+                data.extend(at.measured(name, &mut notes)?);
             } else if OfLevel::is_level(table) {
                 let at = OfLevel {
                     table,
@@ -369,7 +379,7 @@ fn distinct<'n>(measured: &[(String, Keys<'_, '_>)], names: impl Iterator<Item =
     let help = "rename one of the two";
     let at = measured.iter().find(|(name, _)| name == twice).or(measured.first());
     at.map_or(Ok(()), |(_, table)| {
-        Err(table.error("", format!("has the name of a level in a file, `{twice}`"), help))
+        Err(table.error("", format!("has the name of a reading from a file, `{twice}`"), help))
     })
 }
 
@@ -417,18 +427,21 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
         };
         let known = data.iter().map(|own| own.name.as_str());
         let place = |name: &str| place(root, "correlation", name, known.clone(), "measurement");
-        let data: Vec<usize> = names.into_iter().map(place).collect::<Result<_, KeyError>>()?;
-        let distinct: std::collections::BTreeSet<usize> = data.iter().copied().collect();
-        if distinct.len() < data.len() {
+        let places: Vec<usize> = names.into_iter().map(place).collect::<Result<_, KeyError>>()?;
+        if places.iter().any(|&own| data[own].is_point) {
+            return Err(wrong("names a point of a recorded history".to_owned()));
+        }
+        let distinct: std::collections::BTreeSet<usize> = places.iter().copied().collect();
+        if distinct.len() < places.len() {
             return Err(wrong("names a measurement twice".to_owned()));
         }
         let r = root.number("correlation", r, |text| measure(text, NUMBER))?;
-        if data.len() < 2 || !(-1.0..1.0).contains(&r) {
+        if places.len() < 2 || !(-1.0..1.0).contains(&r) {
             return Err(wrong(
                 "needs two measurements or more, and r between -1 and 1".to_owned(),
             ));
         }
-        all.push(Correlation { data, r });
+        all.push(Correlation { data: places, r });
     }
     Ok(all)
 }
@@ -447,22 +460,13 @@ impl Of<'_, '_, '_> {
         let reader = QuantityReader {
             table,
             assembly: self.assembly,
+            is_trace: false,
         };
-        reader.refuse_not_built()?;
+        reader.refuse_other_kinds()?;
         table.only(&MEASURED)?;
         let condition = condition_of(table, self.conditions)?;
         let quantity = reader.quantity()?;
-        let (of_design, key) = match self.assembly {
-            Some(own) => (own.end, "cycle.end"),
-            None => (
-                self.conditions[condition].design.analysis.cycle_end,
-                "analysis.cycle_end",
-            ),
-        };
-        if let Some(time) = quantity.time().filter(|time| *time > quantity.end(of_design)) {
-            let problem = format!("is {time} s, after the end of the record at {of_design} s");
-            return Err(table.error("at", problem, format!("give an earlier time, or raise `{key}`")));
-        }
+        reader.within_the_record("at", &quantity, &self.conditions[condition])?;
         let dimension = quantity.dimension();
         let repeats = self.repeats(&quantity, &self.conditions[condition])?;
         let own = error(table, dimension)?.at(repeats.typical);
@@ -504,6 +508,7 @@ impl Of<'_, '_, '_> {
             condition,
             quantity,
             reading: repeats.reading,
+            is_point: false,
             error: variance.sqrt(),
             discrepancy,
             instrument,

@@ -90,7 +90,7 @@ pub struct CalibrationResult {
     pub levels: Vec<LevelRow>,
     /// Work on the levels; null without measured levels.
     pub level_work: Option<LevelWork>,
-    /// What to measure next, what an hour of work makes narrowest first; empty if it was not asked.
+    /// What to measure next, in the order of the gain per hour of work; empty if not requested.
     pub next: Vec<NextRow>,
     /// Notes for the reader.
     pub notes: Vec<String>,
@@ -384,8 +384,8 @@ fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
     }
 }
 
-/// Pairs that the measurements tie together: rules correlate inputs of the candidates, too, and so do the points of a
-/// low-discrepancy sequence where they are few.
+/// Pairs that the measurements correlate. Rules also correlate inputs of the candidates, as do the points of a
+/// low-discrepancy sequence if there are few of them.
 fn pairs(posterior: &Posterior, values: &[Vec<f64>], least: f64) -> Vec<PairRow> {
     let column = |k: usize| posterior.start.accepted.iter().map(|own| own.z[k]).collect();
     let before: Vec<Vec<f64>> = (0..values.len()).map(column).collect();

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use nailnoise_dynamics::network::{self, Assembly, Record, RunError};
-use nailnoise_dynamics::{CycleError, CycleRecord, Settings, simulate};
+use nailnoise_dynamics::{CycleError, CycleRecord, Outcome, Settings, simulate};
 
 use crate::design::Design;
 use crate::design::inputs;
@@ -35,11 +35,12 @@ pub(super) enum Shot {
 
 impl Shot {
     /// The shot of a design. The record of the tool of the keys ends at `end` \[s\], or at `analysis.cycle_end` if the
-    /// drive is not complete by then. The record of an assembly ends as its file states.
+    /// drive, or its outcome if that is needed, is not decided by then. The record of an assembly ends as its file
+    /// states.
     ///
     /// # Errors
     /// Why the shot is missing: `refused`, `dry_fire` or `solver_failure`.
-    pub(super) fn of(design: &Design, end: f64) -> Result<Self, &'static str> {
+    pub(super) fn of(design: &Design, end: f64, needs_outcome: bool) -> Result<Self, &'static str> {
         if let Some(own) = inputs::assembly::cycle(design).map_err(|_| REFUSED)? {
             let numerics = network::Numerics {
                 relative_tolerance: TOLERANCE,
@@ -69,7 +70,8 @@ impl Shot {
             })
         };
         let mut record = recorded_until(end)?;
-        if end < design.analysis.cycle_end && end > AT_REST && !drive_is_complete(&record) {
+        let is_decided = drive_is_complete(&record) && (!needs_outcome || outcome_is_decided(&record));
+        if end < design.analysis.cycle_end && end > AT_REST && !is_decided {
             record = recorded_until(design.analysis.cycle_end)?;
         }
         Ok(Self::Keys(Box::new(record)))
@@ -87,7 +89,15 @@ impl Shot {
     }
 }
 
-/// Whether the piston has stopped on the workpiece, and the nail stays at its depth until the record ends.
+/// Whether no event of the outcome may follow after the end of a record.
+fn outcome_is_decided(record: &CycleRecord) -> bool {
+    !matches!(
+        record.figures.outcome,
+        Outcome::DoesNotOpen | Outcome::DoesNotRelease | Outcome::DoesNotExhaust
+    )
+}
+
+/// Whether the piston has stopped on the workpiece, and the nail remains at its depth until the record ends.
 fn drive_is_complete(record: &CycleRecord) -> bool {
     let depth = record.history("nail.deepest");
     let before = depth
@@ -108,13 +118,19 @@ pub(super) fn assembly_of(design: &Design) -> Result<Option<Assembly>, Error> {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
+    use std::collections::BTreeSet;
+
+    use super::super::measurements::Measurements;
+    use super::super::quantities::END_OF_DRIVE;
+    use super::super::random::standard_normal;
+    use super::super::tool::Tool;
     use super::*;
 
     /// With a vent of 1.5 mm2, the volume above the valve empties slowly, and the drive begins at 52 ms.
     #[test]
     fn a_record_goes_on_until_the_drive_is_complete() {
         let mut design = Design::shipped("n80cb.toml").unwrap();
-        let depth = |design: &Design, end: f64| match Shot::of(design, end).unwrap() {
+        let depth = |design: &Design, end: f64| match Shot::of(design, end, false).unwrap() {
             Shot::Keys(record) => (record.figures.summary.head_depth, record.len()),
             Shot::Assembly(_) => unreachable!(),
         };
@@ -125,5 +141,24 @@ mod tests {
         let late = depth(&design, 45e-3);
         assert_eq!(late, depth(&design, end));
         assert!(late.0 > 0.0, "{late:?}");
+    }
+
+    /// The outcome of a drive is known before the return stroke; the last events of the draws below come later.
+    #[test]
+    fn a_short_record_has_the_outcome_of_the_long_one() {
+        let design = Design::shipped("n80cb.toml").unwrap();
+        let tool = Tool::new(&design, &Measurements::default(), 1).unwrap();
+        let mut outcomes = BTreeSet::new();
+        for draw in 0..64 {
+            let z: Vec<f64> = (0..tool.keys()).map(|k| standard_normal(7, draw, k as u64)).collect();
+            let Some(drawn) = tool.design(&design, &z) else {
+                continue;
+            };
+            let of = |end: f64| Shot::of(&drawn, end, true).map(|shot| shot.outcome().into_owned());
+            let (short, long) = (of(END_OF_DRIVE), of(drawn.analysis.cycle_end));
+            assert_eq!(short, long, "draw {draw}");
+            outcomes.extend(long.ok());
+        }
+        assert!(outcomes.len() >= 4, "{outcomes:?}");
     }
 }

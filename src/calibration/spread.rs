@@ -25,7 +25,7 @@ pub(super) const LENGTH_ERROR: Spread = Spread::new(0.05, 1e-3);
 /// Model error of speeds: an estimate.
 pub(super) const SPEED_ERROR: Spread = Spread::new(0.05, 0.0);
 
-/// Model error of the air of a shot and of pressures elsewhere than above the piston: an estimate.
+/// Model error of the air of a shot, and of all pressures other than that above the piston: an estimate.
 pub(super) const GAS_ERROR: Spread = Spread::new(0.04, 0.0);
 
 /// Model error of pressures above the piston, 7.5 % rms in published comparisons of the model.

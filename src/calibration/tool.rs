@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::error::CalibrationError;
 use super::figures::Figure;
 use super::measurements::{InstrumentError, Measured, Measurements};
-use super::quantities::{Family, Quantity};
+use super::quantities::{END_OF_DRIVE, Family, Quantity};
 use super::shot::{Shot, assembly_of};
 use crate::design::{Derived, Design, Value};
 use crate::error::Error;
@@ -20,7 +20,7 @@ use crate::study::{
     Parameter, Point, Sampler, Variable, VariableKind, cycle_variables, differing_keys, drawn, value_at,
 };
 
-/// Length of a record of which nothing is read \[s\].
+/// Length of a record that is not used \[s\].
 const SHORTEST: f64 = 1e-3;
 
 /// Shots under one condition.
@@ -173,7 +173,7 @@ impl Tool {
         let points: Vec<&[f64]> = points.collect();
         let figures = |z: &&[f64]| {
             let own = self.design(around, z)?;
-            let shot = Shot::of(&own, own.analysis.cycle_end).ok()?;
+            let shot = Shot::of(&own, own.analysis.cycle_end, false).ok()?;
             Some(self.figures.iter().map(|figure| figure.of(&shot)).collect())
         };
         let rows = points.par_iter().map(figures);
@@ -194,7 +194,7 @@ impl Tool {
                 .set(&[(&shown.key, Value::Number(value))])
                 .map_err(|_| "refused")?;
         }
-        let shot = Shot::of(&design, own.end)?;
+        let shot = Shot::of(&design, own.end, !own.outcomes.is_empty())?;
         let predict = |quantity: &Quantity| quantity.predict(&shot, &design.ambient, own.end);
         Ok(Observed {
             outcome: shot.outcome(),
@@ -238,9 +238,9 @@ impl Simulator for Tool {
 /// Length of the record needed for these quantities \[s\].
 fn end(design: &Design, quantities: &[Quantity], has_outcome: bool) -> f64 {
     let of_design = design.analysis.cycle_end;
-    // Only levels are measured under a condition without both; its cycle is then of no use here.
+    // A condition without quantities and outcome has only measured levels; its cycle is not needed here.
     let ends = quantities.iter().map(|own| own.end(of_design));
-    let ends = ends.chain(has_outcome.then_some(of_design));
+    let ends = ends.chain(has_outcome.then_some(of_design.min(END_OF_DRIVE)));
     ends.reduce(f64::max).unwrap_or(SHORTEST)
 }
 
@@ -305,7 +305,7 @@ pub(super) fn errors(
     (scale, of_model.into_iter().chain(of_instrument).collect())
 }
 
-/// The likelihood of the readings, of which `held_out` are only predicted; `factors` widen their independent errors.
+/// The likelihood of the readings. Those in `held_out` are only predicted; `factors` widen the independent errors.
 ///
 /// Half of the variance of a family's model error is shared by its readings, and half is independent.
 ///

@@ -239,7 +239,7 @@ pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBo
     let others = solved.iter().filter(|kind| !kinds.contains(kind));
     let all = kinds.iter().chain(others);
     let added = all.map(|&kind| (kind, BodyStages::add(&graph, design, kind, solved.contains(&kind))));
-    // All meshes are made before any check, because a stage that reads a failed mesh no longer knows the reason.
+    // All meshes are made before any check, because a stage that reads a failed mesh no longer has the reason.
     let meshed = added.map(|(kind, stages)| {
         let meshed = stages.and_then(|stages| Ok((stages.meshed.get()?, stages)));
         (kind, meshed.map_err(locate))

@@ -48,7 +48,7 @@ pub(crate) fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
 mod tests {
     use super::*;
 
-    /// The stops of the head valve, which drives no fastener, and not those of the piston.
+    /// They are the stops of the head valve, which does not drive a fastener, and not those of the piston.
     #[test]
     fn the_housing_of_an_assembly_has_the_contacts_of_that_of_the_keys() {
         let contacts = |cycle: &str| {

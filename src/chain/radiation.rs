@@ -46,7 +46,7 @@ pub(crate) struct ToolStages {
     pub(crate) elements: ToolRadiation,
     /// The complete body.
     pub(crate) whole: ToolMatrix,
-    /// With a second column for each mode in which only the cap moves, if the cap belongs to another source.
+    /// With a second column per mode for the motion of only the cap, if the cap belongs to another source.
     pub(crate) cap: Option<ToolMatrix>,
     /// Fluid loading of its modes.
     pub(crate) loads: Stored<Vec<FluidLoads>>,

@@ -77,8 +77,7 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
 /// which they are tried.
 pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 
-/// ReferenceResult structures in the shape of a design's tool, or of its workpiece and table; none if these have no
-/// standard.
+/// Reference structures in the shape of a design's tool, or of its workpiece and table; none if these have no standard.
 ///
 /// # Errors
 /// Errors in the bodies' materials and mesh files.
@@ -300,7 +299,7 @@ mod tests {
         assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
     }
 
-    /// Whether each of the references represents the motion of a design's workpiece and table. Also the largest
+    /// Whether each of the references represents the motion of a design's workpiece and table. Also returns the largest
     /// difference in power \[dB\] between the radiation from reference structures and boundary elements with the
     /// design's modes, under a force of 1 N at the nail's head and 1 N on the middle of the table.
     fn carried_over(design: &Design) -> (Vec<bool>, f64) {

@@ -38,7 +38,7 @@ struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// A design whose assembly is that of its keys if it gives none and another design gives one.
+    /// A design. Its assembly is that of its keys if it gives none and another design gives one.
     fn new(result: &'a Finished, keys: &[FieldText]) -> Self {
         if !result.assembly.is_empty() || keys.is_empty() {
             return Self {
@@ -64,7 +64,8 @@ impl<'a> Subject<'a> {
         input.map(|input| input.value.clone()).or_else(own)
     }
 
-    /// The value of a key; of a number of the assembly of the keys the text, unless another design gives a number.
+    /// The value of a key. For a number of the assembly of the keys, it is the text, unless another design gives a
+    /// number.
     fn value(&self, key: &str, numeric: bool) -> Value {
         let text = || self.fields.get(key).map(|text| Value::String(text.clone()));
         let found = match numeric {
@@ -185,7 +186,7 @@ pub(super) fn warning(names: &[String]) -> Option<String> {
     })
 }
 
-/// The block of a field, `cycle.passage.vent` of `cycle.passage.vent.one_way`; none of a field without a block.
+/// The block of a field, `cycle.passage.vent` of `cycle.passage.vent.one_way`; none for a field without a block.
 fn block(path: &str) -> Option<&str> {
     let family = path.strip_prefix("cycle.")?.split('.').next()?;
     let FieldType::Blocks(_) = CYCLE.field(family)?.of else {
@@ -199,7 +200,7 @@ fn in_block(path: &str, block: &str) -> bool {
     path.strip_prefix(block).is_some_and(|rest| rest.starts_with('.'))
 }
 
-/// Whether a field is a switch of a block, which is off where it is not given.
+/// Whether a field is a switch of a block. A switch that is not given is off.
 fn is_switch(path: &str) -> bool {
     let mut parts = path.split('.').skip(1);
     let (Some(family), Some(_), Some(field), None) = (parts.next(), parts.next(), parts.next(), parts.next()) else {

@@ -18,7 +18,7 @@ pub struct Finished {
     schema: String,
     pub(super) design: DesignId,
     pub(super) inputs: Vec<Input>,
-    /// Fields of its assembly that are no inputs; empty without an assembly, or in a result of an earlier version.
+    /// Fields of its assembly that are not inputs; empty without an assembly, or in a result of an earlier version.
     #[serde(default)]
     pub(super) assembly: BTreeMap<String, String>,
     pub(super) ranking: Vec<RankedSource>,

@@ -33,11 +33,11 @@ pub struct Comparison {
     /// Names of the designs, the reference first.
     pub designs: Vec<String>,
     /// Frequency range of the levels of each result \[Hz\] if the ranges differ; null if they are the same. If they
-    /// differ, changes are not due to the designs alone.
+    /// differ, changes are not due only to the designs.
     pub unlike_ranges: Option<Vec<[f64; 2]>>,
-    /// Keys and fields of assemblies whose values differ; a block that a design lacks is one row.
+    /// Keys and fields of assemblies whose values differ; a block that is missing from a design is one row.
     pub inputs: Vec<InputRow>,
-    /// Results of an earlier version that lack the fields of their assembly, so that only numbers are compared.
+    /// Results of an earlier version without the fields of their assembly, so that only numbers are compared.
     pub without_assembly: Vec<String>,
     /// Outcomes of the shots.
     pub outcomes: Vec<String>,
@@ -51,7 +51,7 @@ pub struct Comparison {
     pub total: Levels,
     /// Intervals of the levels of each design from the study that applies to it; null without one.
     pub studies: Vec<Option<StudySummary>>,
-    /// Reserve of the drive, air a shot, and rate of each design; null for a result of an earlier version.
+    /// Reserve of the drive, air per shot, and rate of each design; null for a result of an earlier version.
     pub performance: Vec<Option<Performance>>,
     /// Sources of each design, loudest first.
     pub rankings: Vec<Vec<String>>,

@@ -6,7 +6,7 @@ use super::finished::Finished;
 const ENDS: [&str; 2] = ["analysis.range_low", "analysis.range_high"];
 
 /// The frequency ranges of the results \[Hz\], if they are not all the same. A difference between their levels is then
-/// not due to the designs alone, because the wider range contains additional bands.
+/// not due only to the designs, because the wider range contains additional bands.
 pub(super) fn unlike(results: &[Finished]) -> Option<Vec<[f64; 2]>> {
     let end = |result: &Finished, key: &str| {
         let input = result.inputs.iter().find(|input| input.key == key);

@@ -112,7 +112,7 @@ impl DesignAssembly {
     /// The fields that are not literals, by full name: formulas, names, switches and words.
     pub(super) fn fields(&self) -> BTreeMap<String, String> {
         let literals: BTreeSet<&str> = self.read.literals.iter().map(|own| own.path.as_str()).collect();
-        // Range and provenance of a literal stand below its path.
+        // Range and provenance of a literal are below its path.
         let is_literal = |path: &str| {
             let ends = path.match_indices('.').map(|(end, _)| end).chain([path.len()]);
             ends.into_iter().any(|end| literals.contains(&path[..end]))
@@ -280,8 +280,8 @@ pub(super) fn documents(chain: &[File]) -> Vec<Document> {
     chain.iter().rev().map(|file| file.document().clone()).collect()
 }
 
-/// A chain of files in which the assembly that a file names stands behind it, so that keys which the assembly gives
-/// count unless the file or one nearer gives them.
+/// A chain of files in which an assembly follows the file that names it. The keys that the assembly gives therefore
+/// count unless that file or a nearer one gives them.
 pub(super) fn with_assemblies(chain: Vec<File>) -> Result<Vec<File>, DesignError> {
     let mut all = Vec::with_capacity(chain.len());
     for file in chain {
@@ -292,8 +292,8 @@ pub(super) fn with_assemblies(chain: Vec<File>) -> Result<Vec<File>, DesignError
     Ok(all)
 }
 
-/// The assembly that a file names as that of its table `[cycle]`; none if it names none or one that cannot be read,
-/// which the reader of the assembly reports.
+/// The assembly that a file names in its table `[cycle]`. None if the file does not name one, or if the assembly cannot
+/// be read. The reader of the assembly reports that error.
 fn named(file: &File) -> Result<Option<File>, DesignError> {
     let table = file.table()?;
     let cycle = table.get("cycle").and_then(|value| value.get_ref().as_table());

@@ -1,8 +1,8 @@
 //! JSON schema of `[cycle]` and `[keys]`, made from the tables by which an assembly is read.
 //!
-//! A design changes an assembly field by field, so no field is required, and `false` removes what a base gives. Names,
-//! types and words are checked here; only the reader knows whether blocks exist, formulas have a value and balances are
-//! satisfied.
+//! A design changes an assembly field by field, so no field is required, and `false` removes a field or block that a
+//! base gives. Names, types and words are checked here; only the reader can check whether blocks exist, formulas have a
+//! value and balances are satisfied.
 
 use nailnoise_dynamics::network::{BUILT_IN, CYCLE, FieldSpec, FieldType, LAYOUT, TableSpec};
 use nailnoise_quantities::{Kind, dimension::NUMBER};
@@ -115,7 +115,7 @@ impl Definitions {
         schema
     }
 
-    /// Blocks of a family by their names. Fields may stand in layout tables.
+    /// Blocks of a family by their names. Fields may be in layout tables.
     fn blocks(&mut self, table: &TableSpec) -> Value {
         let fields = self.fields(table);
         let names: Vec<String> = fields.keys().cloned().collect();
@@ -169,7 +169,7 @@ impl Definitions {
         }
     }
 
-    /// A quantity: a formula, a text with a unit, a plain number where it has no unit, or a table with its range.
+    /// A quantity: a formula, a text with a unit, a plain number if it has no unit, or a table with its range.
     fn quantity(&mut self, kind: Kind) -> Value {
         let name = match kind {
             Kind::Count(_) => "plain number",

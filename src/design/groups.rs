@@ -1,9 +1,9 @@
 //! Every key of the design file, group by group.
 //!
-//! Each group is declared beside the physics that uses it: those of the nailing cycle in [`nailnoise_dynamics`], the
-//! tool body's dimensions in [`nailnoise_meshes`], orthotropic solids in [`nailnoise_fem`], all others here. Symbols
-//! are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic nailing device"
-//! (ETS Montreal, 2016), ch. 4, where it has one.
+//! Each group is declared next to the physics that uses it: those of the nailing cycle in [`nailnoise_dynamics`], the
+//! tool body's dimensions in [`nailnoise_meshes`], orthotropic solids in [`nailnoise_fem`], all others here. If Z. Nili
+//! Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic nailing device" (ETS Montreal, 2016),
+//! ch. 4, has a symbol for a quantity, it is used.
 
 use nailnoise_dynamics as dynamics;
 pub use nailnoise_dynamics::{

@@ -35,7 +35,8 @@ pub fn json_schema() -> Value {
     properties.insert("report".to_owned(), head_of_report());
     let provenances = Provenance::ALL.map(Provenance::as_str).join("|");
     root["properties"] = properties.into();
-    // An assembly declares keys of its own, in groups of its own or of the design. Without one all names are known.
+    // An assembly declares additional keys, in additional groups or in groups of the design. Without one, all names are
+    // known.
     root["if"] = json!({"anyOf": [{"required": ["cycle"]}, {"required": ["keys"]}]});
     root["else"] = known_names(&root);
     root["else"]["properties"]["study"]["properties"]["require"] =

@@ -1,4 +1,4 @@
-//! Rewrites a design file of an earlier version with the current keys; comments and order are kept.
+//! Rewrites a design file of an earlier version with the current keys; comments and order are preserved.
 
 use std::path::Path;
 

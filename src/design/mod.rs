@@ -106,7 +106,7 @@ pub(crate) use renamed::renames;
 pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
 
-/// A group of keys that every design has, and no file with an assembly alone.
+/// A group of keys that every design has, but that a file with only an assembly does not have.
 const OF_DESIGNS: &str = "acoustics";
 
 /// A design: every quantity in SI units, with its origin.
@@ -207,8 +207,8 @@ impl Design {
         }
     }
 
-    /// The assembly of a file and those it inherits from, together with the design whose keys it uses; alone if no base
-    /// is given and the file is not a design itself. `None` if no file has a table `[cycle]`.
+    /// The assembly of a file and those it inherits from, together with the design whose keys it uses; without a design
+    /// if no base is given and the file is not a design itself. `None` if no file has a table `[cycle]`.
     ///
     /// # Errors
     /// Same as [`load`](Self::load).
@@ -388,8 +388,8 @@ impl Design {
 
     /// SHA-256 of all values in hexadecimal digits.
     ///
-    /// It is the same for two designs whose values agree to twelve digits, regardless of how, in which files and in
-    /// which units they are written, and of provenance and range.
+    /// It is the same for two designs whose values agree to twelve digits. It does not depend on the form, the files
+    /// and the units of the values, nor on provenance and range.
     pub fn digest(&self) -> String {
         self.digest_without(&[])
     }

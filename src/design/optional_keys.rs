@@ -11,16 +11,16 @@ use super::settings::Given;
 /// A key that may be missing.
 struct Optional {
     key: &'static str,
-    /// A key whose presence asks for this one, and whose place and provenance it takes.
+    /// A key that requires this one. This one takes over its place and provenance.
     beside: &'static str,
     value: Missing,
 }
 
 /// The value of a missing key.
 enum Missing {
-    /// Value and range of the key beside it.
+    /// Value and range of the other key.
     Same,
-    /// Zero, which selects the key beside it.
+    /// Zero, which selects the other key.
     Zero,
     /// A word.
     Word(&'static str),
@@ -55,7 +55,7 @@ const fn zero(key: &'static str, beside: &'static str) -> Optional {
 }
 
 impl Missing {
-    /// The value and its text, if they are not those of the key beside it.
+    /// The value and its text, if they are not those of the other key.
     fn given(&self) -> Option<(Given, &'static str)> {
         match self {
             Self::Same => None,

@@ -9,7 +9,7 @@
 //! note = "Exhaust with twelve holes"
 //! ```
 //!
-//! It changes no value of the design and no digest, because no stage reads it.
+//! It changes neither a value of the design nor its digest, because no stage reads it.
 
 use serde::Serialize;
 use toml::de::{DeTable, DeValue};

@@ -59,7 +59,7 @@ impl Values {
     /// assignment. Each value is checked against the limits of its key; [`conflict`](Self::conflict) checks whether the
     /// values are compatible.
     ///
-    /// A key of an earlier version stands for its successor.
+    /// A key of an earlier version is replaced by its successor.
     ///
     /// A derived quantity with a [`Solution`] is set last, by solving for the primary quantity that follows from it.
     ///

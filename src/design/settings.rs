@@ -55,8 +55,8 @@ impl Setting {
     }
 }
 
-/// The statements of one file about a derived quantity: a value with which it must agree or which a primary quantity
-/// follows, or a range from which a study draws it.
+/// The statements of one file about a derived quantity: a value that it must match, a value that determines a primary
+/// quantity, or a range for the draws of a study.
 #[derive(Debug)]
 pub(crate) struct GivenDerived {
     pub(crate) derived: &'static Derived,
@@ -122,7 +122,7 @@ impl Layer {
     }
 }
 
-/// Maximum number of members in a list of a design; every sensor keeps the signals of a complete shot.
+/// Maximum number of members in a list of a design; every sensor stores the signals of a complete shot.
 const MOST_MEMBERS: usize = 250;
 
 /// Keys whose values are names, with the list in which `nailnoise list` prints them.
@@ -180,7 +180,7 @@ impl Reader<'_> {
                     self.group(self.table(&full, key.span(), value)?, member, &full, layer)?;
                 }
             } else if self.own.covers(&full) {
-                // Read with the assembly, which may declare a key of the name of a derived quantity.
+                // Read with the assembly, which may declare a key with the name of a derived quantity.
                 self.check_declared(&full, key.span(), value)?;
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);

@@ -17,7 +17,7 @@
 //! rank = 0.8                                # Spearman's rank correlation
 //! ```
 //!
-//! It changes no value of the design and no digest of it.
+//! It changes neither a value of the design nor its digest.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

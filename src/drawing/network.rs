@@ -20,7 +20,7 @@ const ROW: f64 = 24.0;
 /// Height of a heading between rows \[px\].
 const HEADING: f64 = 34.0;
 
-/// Style of the diagram; its selectors name its class, because a page shows it beside other charts.
+/// Style of the diagram; its selectors name its class, because a page shows it next to other charts.
 const STYLE: &str = include_str!("network.css");
 
 /// The block that a column represents.

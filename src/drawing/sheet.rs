@@ -17,7 +17,7 @@ const TALLEST: f64 = 700.0;
 /// Height of the heading, and of the foot with the scale bar.
 const HEADING: f64 = 34.0;
 const FOOT: f64 = 44.0;
-/// Margin around the sheet, and width of the gap between labels and picture in which the leader lines run.
+/// Margin around the sheet, and width of the gap for the leader lines between labels and picture.
 pub(super) const MARGIN: f64 = 8.0;
 const GAP: f64 = 34.0;
 /// Font size of keys and values, and height of a label with two lines.

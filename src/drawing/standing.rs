@@ -31,7 +31,7 @@ impl Standing {
     ];
 
     /// The class of a value, from the word of its provenance; if that is only "estimated", also from its source, which
-    /// says whether the value was scaled from another tool.
+    /// states whether the value was scaled from another tool.
     pub fn of(entry: &Entry) -> Self {
         match entry.provenance.as_str() {
             "published" => Self::Published,

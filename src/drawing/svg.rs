@@ -134,7 +134,7 @@ pub(super) fn sample(standing: Standing) -> Markup {
     html! { path class={ "symbol " (standing.class()) } d=(standing.symbol()) {} }
 }
 
-/// The content of a sheet; on a page, the page has the heading.
+/// The content of a sheet. On a page, the heading is part of the page.
 fn content(sheet: &Sheet<'_>, heading: bool) -> Markup {
     let view = sheet.view;
     let p = &sheet.picture;

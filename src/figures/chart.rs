@@ -179,7 +179,7 @@ impl Axis {
 }
 
 impl Series {
-    /// A line, thinned in such a way that every peak is kept.
+    /// A line, thinned in such a way that every peak remains.
     pub(crate) fn line(name: impl Into<String>, colour: usize, x: &[f64], y: &[f64]) -> Self {
         let kept = thin(y);
         let of = |values: &[f64]| kept.iter().map(|&index| values[index]).collect();

@@ -124,7 +124,7 @@ pub fn optimise(
     if let Some(shot) = &start.shot {
         refuse_unknown(shot, objectives, constraints)?;
     }
-    // Structures are kept while the designs that share them are computed.
+    // Structures stay in memory while the designs that share them are computed.
     let anchor = Chain::new(graph, &design, Options::default());
     let optimiser = Optimiser {
         space: Space::new(variables.iter().map(Variable::dimension).collect()),

@@ -9,7 +9,7 @@ use crate::result::{Performance, TOTAL};
 use crate::stages::cycle::{AssembledCycle, ShotRecord, SummaryFigures};
 use crate::stages::levels::Levels;
 
-/// The work that nail and wood take up \[J\], beside the figures of the cycle's summary.
+/// The work that nail and wood take up \[J\], in addition to the figures of the cycle's summary.
 pub(super) const DRIVE_ENERGY: &str = "drive_energy";
 
 /// Depth of the head \[m\], which the summary of a design's keys contains, and kinetic energy left at flush \[J\].
@@ -24,7 +24,7 @@ pub struct Shot {
     /// Name and value of each figure of the cycle \[SI\]; none for a phase that does not occur.
     #[serde(serialize_with = "as_object")]
     pub figures: Vec<(String, Option<f64>)>,
-    /// What quieting costs.
+    /// Costs of noise reduction.
     pub performance: Performance,
     /// Levels of the sources; none if the shot breaks a constraint.
     pub levels: Option<Levels>,
@@ -86,8 +86,8 @@ impl Shot {
         })
     }
 
-    /// A figure of the cycle \[SI\] or a level \[dB re 1 pW s\] by its name; none where it does not occur or is silent,
-    /// or was not computed.
+    /// A figure of the cycle \[SI\] or a level \[dB re 1 pW s\] by its name; none if it does not occur, is silent, or
+    /// was not computed.
     pub fn figure(&self, name: &str) -> Option<f64> {
         if name == TOTAL {
             return self.total_db;

@@ -213,7 +213,7 @@ impl Variable {
                 };
                 let at = |end: f64| match with(&format!("{end} {unit}")) {
                     Ok(design) => Ok(number(&design)),
-                    // Ends that conflict with other values are no fault of the range.
+                    // Ends that conflict with other values are not a fault of the range.
                     Err(Error::Design(DesignError {
                         problem: Problem::Conflict { .. },
                         ..

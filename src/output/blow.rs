@@ -17,9 +17,9 @@ fn exist(of: &RunView<'_>) -> bool {
         .is_ok_and(|blows| !blows.is_empty())
 }
 
-/// Time, and for each fastener the forces on the wood and between driver and fastener: in the bars, means over the
-/// interval around each sample, and in the cycle, where both are those of a rigid fastener. Samples at the interval of
-/// the cycle, from the first strike to the end of the last blow.
+/// Time, and for each fastener the forces on the wood and between driver and fastener. Those in the bars are means over
+/// the interval around each sample; those in the cycle are both the force of a rigid fastener. The samples are at the
+/// interval of the cycle, from the first strike to the end of the last blow.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let blows = blows(of.design, &engine(of.design)?)?;
     let blows = blows.iter().filter_map(|input| {

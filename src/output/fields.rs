@@ -14,7 +14,8 @@ use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::BodyInMotion;
 
-/// Range of levels shown below the highest of a field \[dB\]; clamped points, which do not move, are at this floor.
+/// Range of levels shown below the highest of a field \[dB\]. Clamped points do not move; their levels are at this
+/// floor.
 const SHOWN: f64 = 60.0;
 
 /// Reference of velocity exposure levels: (50 nm/s)^2 over 1 s \[m2/s\] (ISO 1683).

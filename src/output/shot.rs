@@ -25,8 +25,8 @@ const FADING: f64 = 0.01;
 
 /// Adds `BODY-shot.pvd` and one `.vtu` per instant: the velocity vector \[m/s\] at every point of the surface. Adds
 /// `BODY-film.pvd` and `BODY-film.vtkhdf` with displacement \[m\] and velocity at uniform steps from the first event
-/// on, whose times are those of the shot times `slow_motion`, so that ParaView plays it in real time that many times
-/// slower.
+/// on. Their times are those of the shot multiplied by `slow_motion`, so that ParaView in real time plays the film
+/// slower by this factor.
 pub(super) fn add(
     fields: &mut Fields,
     driven: &BodyInMotion,
@@ -84,7 +84,7 @@ fn of_surface(driven: &BodyInMotion, samples: &[usize], motion: Motion) -> Resul
     Ok((0..samples.len()).into_par_iter().map(frame).collect())
 }
 
-/// At most [`FRAMES`] samples at one distance, from the first event until the vibration fades after the last.
+/// At most [`FRAMES`] equidistant samples, from the first event until the vibration fades after the last.
 fn uniform(events: &[EventTime], response: &ModalResponse) -> Vec<usize> {
     let times = || events.iter().filter_map(|event| event.time);
     let (first, last) = (

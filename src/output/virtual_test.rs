@@ -110,7 +110,7 @@ pub fn manifest(
         let _ = writeln!(text, "absorption = \"{absorption} m2\"");
     }
     if arrangement.events != MarkerEvents::default() {
-        // Events of a tool with events of its own; without any, the markers have no events.
+        // Events of a tool with other events than the N80CB; without any, the markers have no events.
         let _ = writeln!(text, "\n[markers]");
         for (marker, event) in arrangement.events.iter() {
             let _ = writeln!(text, "{marker} = \"{event}\"");

@@ -111,8 +111,7 @@ pub struct Condition {
 /// Fits a law to the drives in these files.
 ///
 /// # Errors
-/// [`PenetrationError`] with file and line of data that cannot be used, or of drives from which no law can be
-/// determined.
+/// [`PenetrationError`] with file and line of data that cannot be used, or of drives that do not determine a law.
 pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, PenetrationError> {
     let mut all: Vec<Row> = Vec::new();
     let mut digests: Vec<(String, String)> = Vec::new();

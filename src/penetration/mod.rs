@@ -73,7 +73,7 @@ pub enum PenetrationError {
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]
     Form(#[from] FormError),
-    /// Drives from which no law can be determined.
+    /// Drives that do not determine a law.
     #[error("{}{}: {source}", path.display(), line.map_or_else(String::new, |line| format!(", line {line}")))]
     #[diagnostic(help("{}", source.remedy()))]
     Fit {

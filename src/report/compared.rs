@@ -97,7 +97,7 @@ fn share_axes(charts: &mut [Chart]) {
     }
 }
 
-/// The change of the total from the reference to another design in a sentence, with its interval where draws state it.
+/// The change of the total from the reference to another design in a sentence, with its interval if draws give it.
 fn verdict(c: &Comparison, place: usize, paired: &[PairedStudy]) -> Option<String> {
     let change = c.total.change_db[place]?;
     let (size, side) = (change.abs(), if change < 0.0 { "quieter" } else { "louder" });

@@ -80,7 +80,7 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     }
 }
 
-/// In how many of the draws a source is the loudest; none where that is not stated, and for a single source.
+/// Fraction of the draws with a source as the loudest; none if it is not stated, or for a single source.
 fn draws_as_loudest(result: &RunResult, source: &str) -> Option<String> {
     let study = result.study.known().filter(|_| result.ranking.len() > 1)?;
     let share = study.spread(source).first?;
@@ -94,7 +94,7 @@ fn draws_as_loudest(result: &RunResult, source: &str) -> Option<String> {
     })
 }
 
-/// What silencing one source alone gains, in the design and over the draws.
+/// Gain from silencing only one source, in the design and over the draws.
 fn silencing(result: &RunResult, source: &RankedSource) -> String {
     let study = result.study.known();
     let ends = study.and_then(|study| Some((study, study.spread(&source.source).silencing_db?)));
@@ -159,7 +159,8 @@ fn byline(design: &Design) -> Markup {
     html! { @if !said.is_empty() { p.byline { (said.join(" \u{b7} ")) } } }
 }
 
-/// Tool, pressure, nail, wood, support, date and program; of an assembly, its own fasteners and what it has.
+/// Tool, pressure, nail, wood, support, date and program; for an assembly, its fasteners and only the facts that apply
+/// to it.
 fn given(design: &Design) -> Markup {
     let [supply, ambient] = [design.supply.pressure, design.ambient.pressure];
     let own = inputs::assembly::facts(design);

@@ -1,13 +1,13 @@
 //! Response of the figures of a shot to the parameters of its design, or to the numbers of an assembly.
 //!
-//! For each key of the cycle that has a range, the derivative of each figure is computed from central differences at
-//! steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to a step of zero. If a step leaves the limits of a
-//! design, the differences are one-sided. The cycle has contacts and switches. Its figures are smooth in the parameters
-//! as long as these switch in the same order, so that differences across events converge to derivatives. If the order
-//! changes, the differences do not agree, which the error shows.
+//! For each key of the cycle that has a range, the derivative of each figure is computed from central differences. They
+//! have steps of 8, 4, 2 and 1 % of the parameter's size and are extrapolated to a step of zero. If a step leaves the
+//! limits of a design, the differences are one-sided. The cycle has contacts and switches. Its figures are smooth in
+//! the parameters as long as these switch in the same order, so that differences across events converge to derivatives.
+//! If the order changes, the differences do not agree, which the error shows.
 //!
-//! Parameters are ranked by the effect of their ranges on a figure: the derivative times half the range, unless runs at
-//! the ends of the range show that the figure does not follow the derivative that far.
+//! Parameters are ranked by the effect of their ranges on a figure. It is the derivative times half the range, unless
+//! runs at the ends of the range show that the figure does not follow the derivative that far.
 //!
 //! The tolerance of the integration is a hundred times tighter than the design's. The remaining error, and that of the
 //! sampled peaks, is measured by running the design with two tolerances and intervals. It is included in the error of

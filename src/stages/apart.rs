@@ -34,7 +34,7 @@ pub enum PartError {
 }
 
 impl<T> Apart<T> {
-    /// A source of which no part is assigned to another one.
+    /// A source without a part that is assigned to another one.
     pub fn whole(own: T) -> Self {
         Self { own, moved: None }
     }

@@ -1,5 +1,5 @@
-//! Assignment of parts to sources. By the convention of selective wrapping, the outer side of the cap counts to the
-//! exhaust and the trigger vent to the body; energies move between the two, and their sum is unchanged.
+//! Assignment of parts to sources. By the convention of selective wrapping, the outer side of the cap counts towards
+//! the exhaust and the trigger vent towards the body; energies move between the two, and their sum is unchanged.
 
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 

@@ -67,7 +67,7 @@ impl Stage for Requirements {
             Some(Radiating::Workpiece(_, bodies, _)) => all(bodies)?,
             _ => Vec::new(),
         };
-        // These checks are independent of each other; their findings are kept in order.
+        // These checks are independent of each other; their findings stay in order.
         let of_pieces = || meshed.check_pieces(body);
         let of_radiation = || match &self.radiating {
             Some(radiating) => radiating.check(&Surface::of(&meshed.imported.mesh), &others),

@@ -8,7 +8,7 @@
 //! Joint draws of a calibration include dimensions of the bodies that decide the cycle. Where structures are fixed, the
 //! cycle has all values of a joint draw, and the bodies those of the design.
 //!
-//! The outcomes of candidates and the levels of draws are kept as stage outputs in the store: a study that ended early
+//! The outcomes of candidates and the levels of draws are stage outputs in the store. A study that ended early
 //! continues from there, and a larger one begins with the draws of a smaller one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -234,7 +234,7 @@ pub(super) fn levels(
                 options,
             )
         };
-        // Keep the stages of the structures while their draws come and go.
+        // Retains the stages of the structures while their draws are computed.
         let anchors: Vec<_> = (0..designs.len()).map(|which| of(0, which)).collect();
         let count = group.len() * designs.len();
         let all = on_threads(count, |job| {
@@ -272,7 +272,7 @@ pub(super) fn levels(
     Ok((draws, failures))
 }
 
-/// The chain of a point. Joint draws give their dimensions of bodies to the cycle alone.
+/// The chain of a point. Joint draws give their dimensions of bodies only to the cycle.
 fn chain_of(
     graph: &Graph,
     (design, sampler): (&Design, &Sampler),

@@ -176,7 +176,7 @@ impl Parameter {
             }
             Distribution::LogUniform => (x / low).ln() / (high / low).ln(),
         };
-        // A triangle with its mode at an end has no share beyond.
+        // A triangle with its mode at an end has no share beyond it.
         if share.is_nan() { 1.0 } else { share.clamp(0.0, 1.0) }
     }
 

@@ -212,7 +212,7 @@ pub(super) fn weight<'a>(values: impl Iterator<Item = (&'a (Marginal, Marginal),
     values.map(ratio).product()
 }
 
-/// The number of unweighted draws to which these are equivalent (Kish 1965).
+/// The equivalent number of unweighted draws (Kish 1965).
 pub(super) fn effective(weights: &[f64]) -> f64 {
     let [sum, squares] = [1, 2].map(|power| weights.iter().map(|weight| weight.powi(power)).sum::<f64>());
     if squares > 0.0 { sum * sum / squares } else { 0.0 }

@@ -11,7 +11,7 @@ pub struct Request {
     pub shots_a_structure: Option<usize>,
     /// The draws that are computed.
     pub part: Subset,
-    /// Whether the draws keep the sensors on the workpiece.
+    /// Whether the draws include the sensors on the workpiece.
     pub workpiece_sensors: bool,
 }
 

@@ -17,8 +17,8 @@ use crate::stages::cycle::Engine;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
 use crate::study::StudyError;
 
-/// Number of candidates that are computed and stored at a time. For a partner of a point, of which one is needed, this
-/// is the first number; it then doubles each time.
+/// Number of candidates that are computed and stored at a time. Only one partner of a point is needed. For a partner,
+/// this is the first number, which then doubles each time.
 pub(super) const BLOCK: u64 = 64;
 const FIRST_BLOCK: u64 = 2;
 /// Maximum number of candidates for each requested draw, and before any is accepted.

@@ -36,7 +36,7 @@ pub struct Serving {
     pub weighting: Option<Weighting>,
     /// Origin of a study that comes with the program; `None` for a study of the user.
     pub provided: Option<Provided>,
-    /// Ends of the fall of the total where one source is silent, by source \[dB\]; empty for weighted draws.
+    /// Range of the decrease of the total if one source is silent, by source \[dB\]; empty for weighted draws.
     pub silencing: BTreeMap<String, [f64; 2]>,
 }
 

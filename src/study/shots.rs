@@ -87,7 +87,7 @@ pub struct Counted {
     pub counts: BTreeMap<String, usize>,
 }
 
-/// The variables of the cycle alone: its keys, and the scores of a fitted penetration law.
+/// Only the variables of the cycle: its keys, and the scores of a fitted penetration law.
 ///
 /// # Errors
 /// Same as [`taking_part`].
@@ -154,7 +154,7 @@ impl ShotSampler {
             let first = all.candidates;
             let block = first as u64..first as u64 + BLOCK;
             let (block, outcomes) = block_of((designs, &self.sampler), frame, block);
-            // Without a store, a graph would keep the outcomes of all blocks.
+            // Without a store, a graph would retain the outcomes of all blocks.
             let outcomes = match graph.store().folder() {
                 Some(_) => graph.get(outcomes)?,
                 None => Arc::new(outcomes.compute(progress)?),

@@ -40,7 +40,7 @@ pub struct Found {
     pub result: StudyResult,
     /// Weighting of the draws of another study; `None` if they are from this population.
     pub weighting: Option<Weighting>,
-    /// Falls of the total where one source is silent, as in `DrawTable::silencing`; empty for weighted draws.
+    /// Decreases of the total if one source is silent, like `DrawTable::silencing`; empty for weighted draws.
     pub silencing: BTreeMap<String, [f64; 2]>,
     /// Its draws; empty for weighted ones.
     pub draws: DrawTable,

@@ -46,7 +46,7 @@ pub struct SweptPoint {
     pub levels: Option<Levels>,
     /// Level of the sum of all sources \[dB re 1 pW s\].
     pub total_db: Option<f64>,
-    /// Reserve of the drive, air a shot, and rate, with the lumped workpiece; none without levels.
+    /// Reserve of the drive, air per shot, and rate, with the lumped workpiece; none without levels.
     pub performance: Option<Performance>,
     /// Headline of its shot, if the shot does not drive.
     pub headline: Option<Headline>,
@@ -210,7 +210,7 @@ pub fn sweep(
             Err(error) => return Err(error),
         });
     }
-    // Structures are kept while the points that share them are computed.
+    // Structures stay in memory while the points that share them are computed.
     let anchor = designs.iter().find_map(|design| design.as_ref().ok());
     let anchor = anchor
         .map(|design| Chain::new(graph, design, Options::default()))

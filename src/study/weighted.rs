@@ -8,7 +8,7 @@ use super::tolerance::STATED_FROM;
 use crate::result::{TOTAL, Weighting};
 
 /// The levels of a design from the draws of a study, if the distributions of some quantities differ: that of the study,
-/// and that of the design. `None` if the draws are worth too few, or are on several structures.
+/// and that of the design. `None` if there are too few effective draws, or if they are on several structures.
 pub(super) fn reweighted(
     study: &StudyResult,
     table: &DrawTable,

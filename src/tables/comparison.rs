@@ -232,7 +232,7 @@ fn plain(value: &Value, factor: f64) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::String(word) => word.clone(),
-        // Of a value that is not stated in this unit, the last digits say nothing.
+        // If a value is not stated in this unit, its last digits are meaningless.
         Value::Number(number) => number
             .as_f64()
             .map_or_else(|| number.to_string(), |value| rounded(factor * value, DIGITS, 1e7)),

@@ -23,13 +23,13 @@ fn figure(trial: &Trial, name: &str) -> String {
     }
 }
 
-/// Objectives that are not levels, which have columns of their own.
+/// Objectives that are not levels. Levels have separate columns.
 fn figures(found: &Optimisation) -> Vec<&str> {
     let own = found.objectives.iter().map(|own: &Objective| own.figure.as_str());
     own.filter(|name| !crate::optimisation::is_level(name)).collect()
 }
 
-/// The name, values, levels, other objectives and what quieting costs.
+/// The name, values, levels, other objectives and the costs of noise reduction.
 fn columns(found: &Optimisation, first: &str) -> Vec<Column> {
     let keys = found.variables.iter().map(|own| Column::number(&own.key));
     let levels = sources(found)

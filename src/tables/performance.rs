@@ -1,4 +1,4 @@
-//! What quieting costs, in the columns of a table: energy reserve, air consumption and rate of a shot.
+//! The costs of noise reduction, in the columns of a table: energy reserve, air consumption and rate of a shot.
 
 use super::{Cell, dash};
 use crate::result::Performance;

@@ -87,7 +87,7 @@ pub(crate) fn parts<'a>(sources: impl IntoIterator<Item = &'a RankedSource>) -> 
     Table::new(columns, parts)
 }
 
-/// A part as a person reads it: faces that a mesh gives no name are the rest of their body.
+/// A part in words: faces without a name in the mesh are the rest of their body.
 fn named(part: &str) -> &str {
     match part {
         "unnamed" => "rest of the surface",

@@ -52,7 +52,7 @@ fn of_heading<'a>(units: Units, heading: &str, cells: impl Iterator<Item = &'a C
     units.conversion(unit_of(heading), most)
 }
 
-/// Converts cells with one unit, whose numbers have the same decimals where that is possible.
+/// Converts cells with one unit, whose numbers have the same decimals if possible.
 fn in_column(cells: Vec<&mut Cell>, conversion: Conversion) {
     let decimals = decimals_of_cells(cells.iter().map(|cell| cell.text.as_str()), conversion);
     for cell in cells {

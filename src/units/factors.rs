@@ -1,9 +1,9 @@
 //! Conversion of metric units to those of the United States.
 //!
 //! Exact definitions: the inch of 25.4 mm and the avoirdupois pound of 0.453 592 37 kg (international yard and pound
-//! agreement of 1959), the standard acceleration of gravity of 9.806 65 m/s2 (CGPM 1901), the British thermal unit of
-//! 1 055.055 852 62 J (International Table, 1956). NIST SP 811, appendix B, has the factors that follow. Standard air
-//! has 0.075 lb/ft3 (AMCA 210).
+//! agreement of 1959), the standard acceleration of gravity of 9.806 65 m/s2 (CGPM 1901), the British thermal unit of 1
+//! 055.055 852 62 J (International Table, 1956). NIST SP 811, appendix B, lists the resulting factors. Standard air has
+//! 0.075 lb/ft3 (AMCA 210).
 
 const INCH: f64 = 0.0254;
 const FOOT: f64 = 12.0 * INCH;
@@ -39,8 +39,8 @@ impl Conversion {
     }
 }
 
-/// The conversion of a metric unit; `None` for units that are used in both systems. `largest` is the size of the
-/// largest of the values that are shown together, in the metric unit.
+/// The conversion of a metric unit; `None` for units that are used in both systems. `largest` is the largest magnitude
+/// of the values that are shown together, in the metric unit.
 pub(super) fn to_us(unit: &str, largest: f64) -> Option<Conversion> {
     let below = |limit: f64| largest < limit;
     let (si, (us, of)) = match unit {

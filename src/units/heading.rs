@@ -1,8 +1,8 @@
-//! Units in headings: the last word, or what is in brackets at the end.
+//! Units in headings: the last word, or the text in brackets at the end.
 
 use super::Conversion;
 
-/// The unit at the end of a heading: what is in square brackets, or else the last word without brackets.
+/// The unit at the end of a heading: the text in square brackets, or else the last word without brackets.
 pub(crate) fn unit_of(heading: &str) -> &str {
     let in_brackets = heading.strip_suffix(']').and_then(|text| text.rsplit_once('['));
     if let Some((_, unit)) = in_brackets {

@@ -8,7 +8,7 @@ const TEXTS: [&str; 3] = ["aria-label", "title", "alt"];
 /// Elements with content for the browser or for the program.
 const AS_WRITTEN: [&str; 3] = ["script", "style", "code"];
 
-/// A page with the quantities of its texts and [`TEXTS`] in units of the United States; all else stays.
+/// A page with the quantities of its texts and [`TEXTS`] in units of the United States; everything else is unchanged.
 pub(super) fn converted(page: &str) -> String {
     let mut shown = String::with_capacity(page.len());
     let mut rest = page;

@@ -58,8 +58,8 @@ pub(super) fn converted(text: &str, on_page: bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The numbers of a cell whose unit is in its heading, with this number of decimals if there is one; `None` if the cell
-/// has anything else.
+/// The numbers of a cell whose unit is in its heading, with this number of decimals if given; `None` if the cell
+/// contains anything else.
 pub(crate) fn numbers(text: &str, conversion: Conversion, decimals: Option<usize>) -> Option<String> {
     let numbers = list(text)?;
     let mut shown = text[..numbers.first()?.start].to_owned();
@@ -111,7 +111,7 @@ fn common_decimals(mut texts: Vec<&str>, conversion: Conversion) -> Option<usize
     }
 }
 
-/// The size of the largest number of a cell that has only numbers.
+/// The largest magnitude of the numbers of a cell that contains only numbers.
 pub(crate) fn largest(text: &str) -> Option<f64> {
     let numbers = list(text)?;
     numbers.into_iter().filter_map(|own| size(&text[own])).reduce(f64::max)

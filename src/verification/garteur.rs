@@ -55,7 +55,7 @@ const MASS_HEIGHTS: [f64; 3] = [0.096, 0.096, 0.38];
 /// Young's modulus of the aluminium \[Pa\].
 const E: f64 = 70e9;
 
-/// Fraction of its stiffness that the soft layer keeps.
+/// Fraction of its stiffness that the soft layer retains.
 const SOFT: f64 = 1e-6;
 
 /// Longest element edge \[m\].
@@ -91,7 +91,7 @@ fn mesh() -> Result<Mesh, Error> {
         let part = PARTS.iter().position(holds)?;
         Some(usize::from(part == PARTS.len() - 1))
     };
-    // A mass stands on the highest face above its footprint that is open upwards.
+    // A mass is on the highest face above its footprint that is open upwards.
     let name = |_: usize, axis: usize, upper: bool, centre: Point3<f64>| {
         let on = |(_, footprint, _): &&(&str, [[f64; 2]; 2], f64)| {
             (0..2).all(|own| between(centre[own], footprint[own])) && centre.z > 0.09

@@ -145,7 +145,7 @@ pub struct BareShot {
 pub struct VirtualTest<'a> {
     design: &'a Design,
     graph: &'a Graph,
-    /// Keeps bodies and radiation matrices for all shots.
+    /// Retains bodies and radiation matrices for all shots.
     _base: Chain,
     /// Microphones and channels.
     pub arrangement: Arrangement,
@@ -190,7 +190,7 @@ impl<'a> VirtualTest<'a> {
     }
 
     /// The design of one shot: supply pressure and resistance scatter, and the mass of the wrap is added if it is used.
-    /// An assembly whose formulas do not read one of these keys has no scatter of it.
+    /// If the formulas of an assembly do not read one of these keys, it causes no scatter.
     fn scattered(&self, configuration: Configuration, repeat: usize) -> Result<Design, Error> {
         let stream = Self::stream(configuration, repeat);
         let (test, mut design) = (&self.design.test, self.design.clone());
@@ -259,10 +259,10 @@ impl<'a> VirtualTest<'a> {
         outputs.extend([&chain.sensors as &dyn Input<Error>, &chain.transducers]);
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let count = chain.sources.len() as u64;
-        // Numbers of the noise of a shot: those of the sources, then those of parts by the source to which they are
-        // assigned.
+        // Numbers of the noise of a shot: those of the sources, then those of parts by the source that they are
+        // assigned to.
         let stream = (2 * count + 2).max(8) * stream;
-        // A tool without one of the sources has no signal of it.
+        // A tool without one of the sources has no signal for it.
         let silent = vec![Vec::new(); self.arrangement.microphones.len()];
         let mut sources = Role::ALL.map(|_| silent.clone());
         let mut add = |role: Role, heard: &Heard, number: u64| {

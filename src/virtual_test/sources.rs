@@ -24,9 +24,9 @@ pub(super) struct Synthesis {
 impl Synthesis {
     /// Pressures of a source at each microphone from the trigger on \[Pa\].
     ///
-    /// Up to the end of the range in which the source's pressures are known, these are the run's signals; above it,
-    /// noise continues them as in the files of the run. Bands are not scaled to the expected energies, because each
-    /// shot has its own draw.
+    /// As far as the source's pressures are known, these are the run's signals. Above that frequency, noise continues
+    /// them as in the files of the run. Bands are not scaled to the expected energies, because each shot has its own
+    /// draw.
     pub(super) fn signals(&self, source: &SoundSource, received: &AtMicrophones, noise: (u64, u64)) -> Vec<Vec<f64>> {
         // The operator's ear, which follows the microphones, has no channel.
         let known = received.signals.get(..self.travel.len()).unwrap_or_default();

@@ -106,7 +106,7 @@ impl Board {
         });
     }
 
-    /// Reports an error in the saved version; the last result is kept.
+    /// Reports an error in the saved version; the last result remains.
     pub fn fail(&self, message: String) {
         self.change(|state| (state.doing, state.failure) = (None, Some(message)));
     }
@@ -116,12 +116,12 @@ impl Board {
         self.change(|state| state.pinned = state.last.clone().filter(|_| pin));
     }
 
-    /// Offers sliders in place of earlier ones; `basis` says what decided which keys they move.
+    /// Offers sliders in place of earlier ones; `basis` states how these keys were chosen.
     pub fn offer(&self, sliders: Vec<Slider>, basis: &str) {
         self.change(|state| (state.sliders, state.basis) = (sliders, basis.to_owned()));
     }
 
-    /// Moves a slider; whether there is one for the key with the value in its range.
+    /// Moves a slider; returns whether the key has one and the value is in its range.
     pub(super) fn move_to(&self, key: &str, value: f64) -> bool {
         let mut moved = false;
         self.change(|state| {

@@ -75,7 +75,7 @@ impl Request {
     pub(super) fn admitted(&self, address: SocketAddr, token: &str) -> Option<&str> {
         let mut hosts = self.header("host");
         let host = hosts.next()?;
-        // A server on all interfaces answers under each of their addresses. No foreign name can lead to an address.
+        // A server on all interfaces responds at each of their addresses. A foreign name is not an address.
         let named: SocketAddr = host.parse().ok()?;
         let same_ip = address.ip().is_unspecified() || named.ip() == address.ip();
         let own_host = same_ip && named.port() == address.port() && hosts.next().is_none();
@@ -121,7 +121,8 @@ mod tests {
         admitted_at("127.0.0.1:4711", head)
     }
 
-    /// Every interface has an address of its own; a name that leads here is foreign, and so is a page under one.
+    /// Every interface has a different address. A name that resolves to one of them is foreign, and so is a page under
+    /// it.
     #[test]
     fn a_server_on_all_interfaces_answers_under_addresses_and_not_under_names() {
         let at = |host: &str, more: &str| {

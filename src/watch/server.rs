@@ -11,12 +11,13 @@
 //! - `tiny_http` 0.12 sets no time limit for reading or writing, and has no maximum for the length of a head or the
 //!   number of connections. A stranger that sends one byte a minute occupies a thread and memory without end, and a
 //!   window that no longer reads blocks its writer.
-//! - `oxhttp` 0.3 limits the time of each read, not of a whole head. It cannot report a port chosen by the system, has
-//!   no way to stop, writes to standard error, and depends on more than 30 crates for URLs with international names.
+//! - `oxhttp` 0.3 limits the time of each read, not of a complete head. It cannot report a port chosen by the system,
+//!   has no way to stop, writes to standard error, and depends on more than 30 crates for URLs with international
+//!   names.
 //! - `hyper` requires an asynchronous runtime.
 //!
-//! They would replace the parsing of heads, of which `httparse` does the larger part, and the writing of responses:
-//! about 70 lines of this folder. The addresses, limits, permissions and events would stay.
+//! They would replace the parsing of heads, most of which `httparse` does, and the writing of responses: about 70 lines
+//! of this folder. The code for addresses, limits, permissions and events would remain.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -172,7 +173,7 @@ impl Drop for Server {
         for stranger in strangers {
             let _ = stranger.shutdown(Shutdown::Both);
         }
-        // A connection to its address makes it check; all interfaces include the loopback one.
+        // A connection to the server's address makes it check; all interfaces include the loopback one.
         let mut own = self.host;
         if own.ip().is_unspecified() {
             own.set_ip(Ipv4Addr::LOCALHOST.into());

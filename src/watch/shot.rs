@@ -21,7 +21,7 @@ pub struct FinishedRun {
     pub failed: Vec<String>,
     /// The headline of a shot that does not drive its nail.
     pub headline: Option<Headline>,
-    /// Sound of all sources in front of the device; none if there is none.
+    /// Sound of all sources in front of the device, if any.
     pub sound: Option<Arc<Sound>>,
 }
 

@@ -380,7 +380,7 @@ fn damaged_recordings_are_refused() {
             "r-text",
             edited(50, "0.3,deep,20"),
             [
-                "a2.csv, line 51: \"depth_m\" is \"deep\", which is no finite number",
+                "a2.csv, line 51: \"depth_m\" is \"deep\", which is not a finite number",
                 "one decimal mark",
             ],
         ),

@@ -22,9 +22,9 @@ from pathlib import Path
 
 BEGIN = "<!-- stated before comparison: written by tests/peers/blind.py --update -->"
 END = "<!-- end of the statements -->"
-# Plain blocks, of the wrapping tests.
+# Plain blocks of the wrapping tests.
 DESIGNS = {"worktable": "designs/n80cb-as-tested.toml", "sandbox": "designs/n80cb-as-tested-sandbox.toml"}
-# Grooved blocks, of the synchronised tests; in the sandbox by a setting.
+# Grooved blocks of the synchronised tests; a setting puts them in the sandbox.
 FILMED = "designs/n80cb-as-filmed.toml"
 SETUPS = {"worktable": (), "sandbox": ("support.kind=sandbox",)}
 GRAVITY = 9.80665
@@ -36,7 +36,7 @@ INTERVALS = [
 # Events of chapter 4 of the source, and their names in its chapter 1.
 CHAPTER_1 = {"t0": "t0", "t4": "t1", "t6": "t2", "t7": "t4", "t8": "t5", "t9": "t6", "t14": "t9", "t15": "t11", "t16": "t12"}
 LEADING = 10.0
-# Runs of draws for the intervals of accelerations.
+# Number of drawn runs for the intervals of accelerations.
 RUNS = 32
 THIRDS = [50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150, 4000, 5000, 6300, 8000, 10000]
 
@@ -193,7 +193,7 @@ def quantile(values, share):
 def events(program, draws):
     own = cycle(program)
     with ThreadPoolExecutor(2) as pool:
-        # A cycle refuses some draws, whose dimensions conflict.
+        # The cycle refuses draws whose dimensions conflict.
         shots = [events for events in pool.map(lambda draw: cycle(program, draw), draws) if events]
     rows = []
     for start, end in INTERVALS:
@@ -233,7 +233,7 @@ def main():
     if "--update" in sys.argv:
         page.write_text(before + BEGIN + "\n" + found + END + after)
         return
-    # Shares of draws are those of the studies, which may be absent.
+    # Shares of draws come from the studies, which may be absent.
     first = lambda rows: [row[:2] for row in rows]
     if first(nominal(old)) != first(nominal(found)):
         raise SystemExit(f"{page}: the statements differ from the program\n{found}")

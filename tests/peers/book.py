@@ -28,7 +28,7 @@ FIGURES = {
 }
 
 WIDTH = 900
-# Largest difference of two pictures' sizes in pixels, and of their blurred grey values, 0 to 255, on average.
+# Largest differences between two pictures: of their sizes in pixels, and of their mean blurred grey values (0 to 255).
 OTHER_SIZE = 40
 OTHER_GREY = 6.0
 
@@ -41,7 +41,7 @@ def shots(report: Path) -> dict[str, Image.Image]:
         page = browser.new_context(viewport={"width": WIDTH, "height": 900}, color_scheme="light").new_page()
         page.goto(report.resolve().as_uri())
         page.wait_for_load_state("load")
-        # It stays at the top of the window, over the figure.
+        # The navigation stays at the top of the window and would cover the figure.
         page.add_style_tag(content="nav { display: none; }")
         for name, selector in FIGURES.items():
             figure = page.locator(selector).first

@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-# Within the ranges of the design, and apart from its values.
+# Values within the ranges of the design that differ from the design's values.
 TRUTH = {
     "piston.bore": "57.5 mm",
     "head_valve.lift": "4.2 mm",

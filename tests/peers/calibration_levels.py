@@ -14,8 +14,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-# Within the ranges of the design, and apart from its values. None of them is a dimension of a body, so that the virtual
-# tool has the modes of the design.
+# Values within the ranges of the design that differ from the design's values. None of them is a dimension of a body, so
+# the virtual tool has the modes of the design.
 TRUTH = {
     "head_valve.lift": "4.2 mm",
     "wood.resistance_scale": "0.95",

@@ -34,7 +34,7 @@ gauge = { error = "1 %" }
 DEPTH = {"quantity": "head_depth", "unit": "m", "shots": 5, "scatter": (0, 1.5e-3), "error": (0, 0.2e-3)}
 TIME = {"quantity": "interval", "unit": "s", "shots": 5, "scatter": (0.03, 0)}
 # Readings, with errors as (share of the value, amount). `model` is the default of the quantity, stated in the file so
-# that both sides use the same. The error of the model is half common to all depths.
+# that both sides use the same. Half of the model error is common to all depths.
 READINGS = {
     "depth-96": DEPTH | {"condition": "96", "model": (0.05, 1e-3), "common": "discrepancy.head_depth"},
     "depth-70": DEPTH | {"condition": "70", "model": (0.05, 1e-3), "common": "discrepancy.head_depth"},
@@ -73,7 +73,7 @@ READINGS = {
     },
 }
 TYPICAL = [1e-3, -5e-3, 3e-3, 1.2e-3, 4e-3, 12e-3, 50e-3, 20.0, 6e5]
-# Predicted only, to see whether the exhaust has ended within the record of 115 ms.
+# Predicted only, to show whether the exhaust ends within the record of 115 ms.
 LAST = {"condition": "96", "quantity": "interval", "events": ["t0", "t17"], "unit": "s", "shots": 5}
 LAST |= {"scatter": (0.03, 0), "error": (0, 1e-3), "model": (0.03, 0)}
 RECORD = 0.11

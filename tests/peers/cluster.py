@@ -52,7 +52,7 @@ def compared(design: nn.Design, draws: int) -> nn.Shots:
     alone = nn.shots(design, draws)
     of_threads = time.perf_counter() - begin
     with local() as (_, client):
-        # Imports, the design and the sampler are there before the clock runs, like on a cluster that is at work.
+        # Load imports, design and sampler before the timing starts, as on a cluster in use.
         nn.shots(design, 2 * CANDIDATES, seed=9, client=client)
         with get_task_stream(client) as stream:
             begin = time.perf_counter()

@@ -22,12 +22,12 @@ BASIS = ("basis to 1.5 instead of 1.2 times the top", "analysis.mode_margin = 1.
 BLOCK = 'analysis.workpiece_element = "12 mm"'
 TABLE = 'analysis.worktable_element = "20 mm"\nanalysis.worktable_leg_element = "40 mm"'
 
-# The refinement, and the limit on the change of the level.
+# Refinements, with the limit on the change of the level.
 ON_TABLE = [STEP, BASIS, ("next finer mesh", f"{BLOCK}\n{TABLE}", 0.3)]
 IN_SAND = [STEP, BASIS, ("next finer mesh", BLOCK, 0.3)]
-# The housing is left out where the workpiece is looked at: nothing of it reaches the wood.
+# Runs for the workpiece omit the elastic housing, because it does not affect the wood.
 RIGID = 'body.model = "rigid"'
-# The tool's meshes are compared in docs/verification.md.
+# docs/verification.md compares the meshes of the tool.
 TOOL = [STEP, BASIS]
 
 
@@ -105,7 +105,7 @@ def bouncing_rows(runs, starts):
         levels = runs(RIGID, change, f"analysis.starts = {starts}")["starts"]
         mean, deviation = mean_and_deviation(levels)
         reference = reference or levels
-        # The same gaps are in both sets, so that the error of the change is that of the mean of their differences.
+        # Both sets have the same gaps, so the error of the change is that of the mean of their differences.
         moved, error = mean_and_deviation([a - b for a, b in zip(levels, reference)])
         error /= math.sqrt(starts)
         held = limit is None or abs(moved) < limit

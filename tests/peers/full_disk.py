@@ -22,7 +22,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-# A file system without a limit cannot be given one later.
+# A file system that is mounted without a limit cannot get one later.
 AMPLE = "size=4g,nr_inodes=1000000"
 
 
@@ -116,7 +116,7 @@ def main(program: str, design: str, steps: int) -> None:
                 whole = 0
                 for step in range(steps):
                     full.restore()
-                    # Up to 2.2 times the size of the old result: while files change places, both results are there.
+                    # Up to 2.2 times the size of the old result: while files are replaced, both results exist.
                     limit = begin + max(1, step * begin * 12 // (steps * 10))
                     whole += full.step(limits.format(limit), anew)
                 assert 0 < whole < steps, f"{what}: {whole} of {steps} runs left the new result"

@@ -23,7 +23,7 @@ END = "<!-- end of the filling -->"
 AREA = "trigger.fill_area"
 WOOD = "wood.resistance_scale"
 SCALES = (1.0, 0.8, 0.6)
-# The declared upper end, and the bore of the channel: no trigger valve is wider than the channel that it fills.
+# The declared upper end, and the bore of the channel: a trigger valve is not wider than the channel that it fills.
 LIMITS = {"declared range": 10.0, "bore of the channel": 28.0}
 SEARCHED = [
     "chambers.above_valve",
@@ -45,7 +45,7 @@ SEARCHED = [
     "chambers.above_piston",
     "chambers.return_volume",
 ]
-# Of the published simulation [ms].
+# Result of the published simulation [ms].
 SOURCE = 1.9
 SMALL = {"chambers.above_valve": 0, "head_valve.lift": 0, "head_valve.spring_scale": 1, "head_valve.spring_preload": 1}
 

@@ -141,7 +141,7 @@ def keys(schema, path=""):
             yield from keys(node, f"{full}.")
 
 
-# The content of the design, the command, the expected status and words of the message.
+# Content of the design, command, expected status, expected words of the message.
 NAMED = [
     ('nail.length = "65 mm"\nnail.diameter = "2.9 mm"', ["cycle", "--json"], {3}, ["overdriven", "below the surface"]),
     ('nail.tip_gap = "26 mm"', ["check"], {2}, ["nail.tip_gap", "piston.rod_protrusion"]),
@@ -181,7 +181,7 @@ NAMED = [
 ]
 
 
-# Cases that once took minutes: the design, the command.
+# Cases that once took minutes: design, command.
 SLOW = [
     ('body.sleeve_wall = "172 mm"\nbody.cap_wall = "2 mm"', "check"),
     ('body.sleeve_gap = "282 mm"', "check"),

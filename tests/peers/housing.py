@@ -17,7 +17,7 @@ from pathlib import Path
 program, page, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).read_text(), Path(sys.argv[3])
 root = Path.cwd()
 
-# Relative difference of two numbers that agree, and the absolute one for those near zero: 0.3 dB, 0.3 mm.
+# Largest relative difference of two numbers that agree, and the absolute one near zero: 0.3 dB, 0.3 mm.
 RELATIVE, ABSOLUTE = 0.15, 0.3
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
@@ -60,7 +60,7 @@ for kind, name, text in re.findall(r"^```(\w+) ?(\S*)\n(.*?)^```$", page, re.MUL
             file.write(text)
     elif kind == "sh":
         done = subprocess.run(["bash", "-c", text], capture_output=True, text=True, env=environment)
-        # A page that shows a refusal shows it in its output.
+        # Commands may be refused; the page then shows the refusal as output.
         assert done.returncode in (0, 2), (text, done.stderr)
         output = done.stdout + done.stderr
         commands += 1

@@ -278,7 +278,7 @@ def main(program: str, design: str, kills: int, seed: int) -> None:
         files = readable(runs.out) if runs.out.exists() else 0
         found[kind]["files"] += files
         if (runs.out / "result.json").exists():
-            # The digits are this design's or, where nothing has taken its place yet, the other's; and all files are there.
+            # The digits are those of this design or, if not yet replaced, of the other one. All files exist.
             name = result(runs.out)["design"]["name"]
             assert name == "other" or result(runs.out) == expected, f"kill {kill}: other digits"
             assert files >= complete, f"kill {kill}: a result without its files"

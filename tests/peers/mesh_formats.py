@@ -166,7 +166,7 @@ def meshes():
                 assert set(parts) <= {"block", "lid"}, parts
             if (version, binary) == (4.1, 1):
                 grids(path, found)
-        # Without names, and in version 4.1 without the entities that carry the groups.
+        # Remove the names and, in version 4.1, also the entities that carry the groups.
         text = (WORK / f"{name}-4.1.msh").read_text()
         for section in ("PhysicalNames", "Entities"):
             begin, end = text.index(f"${section}\n"), text.index(f"$End{section}\n") + len(f"$End{section}\n")

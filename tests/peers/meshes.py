@@ -52,7 +52,7 @@ for path in sorted(work.rglob("*.vtu")):
     for index in range(data.GetNumberOfArrays()):
         values = vtk_to_numpy(data.GetArray(index))
         assert numpy.isfinite(values).all(), path
-        # The film begins before anything moves; a mode moves.
+        # The first frames of a film are at rest; a mode is not.
         assert "modes" not in path.parts or numpy.abs(values).max() > 0, path
     files += 1
 tool = grid(work / "tool.vtu")
@@ -177,8 +177,8 @@ for row in table("microphones-bands.csv"):
         assert abs(apart) < 0.1, (row, apart)
 print(f"Python's wave read {sounds} sound files, which hold what the tables state")
 
-# The plate's first bending mode, f = 22.37/(2 pi L^2) sqrt(E h^2/(12 rho)) for a beam, within the effect of its width,
-# shear and rotary inertia; free: six rigid modes.
+# First bending mode of the plate: f = 22.37/(2 pi L^2) sqrt(E h^2/(12 rho)) for a beam, within the effects of width,
+# shear and rotary inertia. The plate is free, so it has six rigid modes.
 modes = load("plate.json")["modes"]
 assert [mode["rigid"] for mode in modes[:7]] == [True] * 6 + [False]
 beam = 22.37 / (2 * numpy.pi * 0.3**2) * numpy.sqrt(207e9 * 0.02**2 / (12 * 7850))
@@ -191,7 +191,7 @@ assert load("check.json")["faults"] == []
 for name, size in (("check", 0.020), ("fine", 0.018), ("block", 0.025)):
     longest = load(f"{name}.json")["quality"]["longest_edge"]
     assert 0.6 * size < longest <= size, (name, longest)
-# In wood and from the command line the same plate has modes, six of them rigid.
+# The same plate, in wood and defined on the command line, also has six rigid modes.
 line = load("line.json")["modes"]
 assert [mode["rigid"] for mode in line[:7]] == [True] * 6 + [False]
 other = load("other.json")

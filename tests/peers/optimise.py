@@ -31,7 +31,7 @@ def values(holes: int, diameter: float, pressure: float) -> tuple[str, ...]:
 
 def command(*arguments: str) -> dict:
     done = subprocess.run([NAILNOISE, *arguments, "--json", "--quiet"], capture_output=True, text=True)
-    # 3: a check failed, as of an overdriven nail.
+    # Status 3: a check failed, for example because the nail is overdriven.
     if done.returncode not in (0, 1, 3):
         raise RuntimeError(done.stderr)
     return json.loads(done.stdout)

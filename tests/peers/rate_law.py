@@ -28,7 +28,7 @@ LAWS = {
     "falls with speed": ["wood.rate=speed"],
     "falls with speed, head yields": ["wood.rate=speed", "wood.head_law=yields"],
 }
-# What decides the energy of the piston and the resistance of the wood. The pressure is that of the source's shots.
+# Inputs that determine the energy of the piston and the resistance of the wood. The pressure is that of the source.
 DRAWN = [
     "piston.bore", "piston.mass", "head_valve.lift", "chambers.above_piston", "chambers.below_piston",
     "chambers.return_volume", "chambers.return_hole_area", "chambers.supply_volume", "supply.hose_area", "wood.density",
@@ -81,7 +81,7 @@ def row(program, specimen, law, draws):
     speeds = [own["summary"]["mean_drive_speed"] for own in free]
     outcomes = [own["outcome"] for own in shots]
     others = ", ".join(f"{name} {outcomes.count(name)}" for name in sorted(set(outcomes) - {"drives"}))
-    # In steps of 5 %; two speeds at least.
+    # Quantiles in steps of 5 %; they need at least two speeds.
     steps = statistics.quantiles(speeds, n=20, method="inclusive") if len(speeds) > 1 else [float("nan")] * 19
     spread = [f"{speed:.1f}" for speed in (steps[0], steps[9], steps[18], max(speeds, default=float("nan")))]
     return [specimen, law, f"{len(drives)} of {len(shots)}", others, str(len(free)), *spread]

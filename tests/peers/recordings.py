@@ -214,7 +214,7 @@ def table_files():
         yield f"table-{name}", table(**form).encode(), form.get("separator", ","), form.get("decimal", "."), "utf-8", lines
 
 
-# --- What others read ------------------------------------------------------------------------------------------------
+# --- Readings by other programs --------------------------------------------------------------------------------------
 
 
 def by_soundfile(path, _):
@@ -286,7 +286,7 @@ def check_channels(program, folder):
         path.write_bytes(data)
         channel = 5 if name == "s24-nine" else 1
         channels.append(f'{name} = {{ file = "{path.name}", channel = {channel}, full_scale = "{FULL_SCALE} m/s2" }}')
-        # The largest integer is full scale here, 2^(bits - 1) there.
+        # Full scale is the largest integer here, but 2^(bits - 1) in the other readers.
         scale = FULL_SCALE * (2 ** (valid - 1) / (2 ** (valid - 1) - 1) if valid else 1)
         read = []
         for reader in (by_soundfile, by_scipy):
@@ -294,7 +294,7 @@ def check_channels(program, folder):
                 samples = reader(path, valid)[:, channel - 1]
             except Exception:
                 continue
-            if len(samples) >= RATE:  # the bytes behind an open length may be samples to others
+            if len(samples) >= RATE:  # others may read bytes after an open length as samples
                 read.append(scale * samples[:RATE])
         if not read:
             alone.append(name)
@@ -307,7 +307,7 @@ def check_channels(program, folder):
         channels.append(f'{name} = {{ file = "{path.name}", channel = {channel} }}')
         try:
             read = by_pyuff(path, channel)
-            # pyuff takes the times of double samples for double, too.
+            # pyuff reads the times of double samples as double, too.
             assert len(read) == RATE and name not in ("58-double-uneven-little", "58-double-uneven-big")
         except Exception:
             read, _ = SIGNAL, alone.append(name)

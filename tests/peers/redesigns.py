@@ -111,7 +111,7 @@ def main():
             changes = redesign(keys, dice)
             found = run(program, str(design), changes, folder)
             if found is None:
-                continue  # values that do not go together are refused
+                continue  # conflicting values are refused
             tried += 1
             for what in counts:
                 counts[what] += found[what]

@@ -71,8 +71,8 @@ UNNAMED = """
   + [...document.querySelectorAll(".plot")].filter((e) => !e.getAttribute("aria-label")).length
 """
 
-# Tables that are wider than their parent outside an element that scrolls and shows so by its shaded edge, and cells that
-# are not shown. All that is folded is opened for it.
+# Tables that are wider than their parent, unless the parent scrolls and shows this by its shaded edge. Hidden cells.
+# All folded elements are opened for this check.
 LOST = """
 () => {
   const folded = [...document.querySelectorAll("details:not([open])")];
@@ -90,7 +90,7 @@ LOST = """
 }
 """
 
-# Texts with signs of markup.
+# Texts that contain markup characters.
 MARKUP = """
 () => [...document.querySelectorAll("body *:not(script):not(style)")].filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.includes("`")))
   .map((e) => e.textContent.slice(0, 60))
@@ -209,7 +209,7 @@ def look(browser: Browser, report: Path, pictures: Path, every: bool) -> None:
         for width in WIDTHS:
             page = opened(browser, report, errors, viewport={"width": width, "height": 900}, color_scheme=scheme)
             sound(page, report, f"{width} px, {scheme}")
-            # Charts are drawn as they come into view: one pass sees the errors of all, further ones are for a reader of the pictures.
+            # Charts are drawn when they come into view. One pass finds all errors; further passes only make pictures.
             if every or (width, scheme) == (WIDTHS[-1], "dark"):
                 scroll(page, lambda part: pictures / f"{name}-{width}-{scheme}-{part}.png")
             page.context.close()

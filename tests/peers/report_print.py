@@ -16,14 +16,14 @@ PRINTED = 688
 #: Smallest text of paragraphs and lists, and of cells and legends [pt].
 BODY, CELLS = 8.0, 7.0
 
-# What is wider than the paper: the browser would shrink the whole page to it.
+# Elements that are wider than the paper: the browser would shrink the whole page to fit them.
 WIDE = """
 (width) => [...document.querySelectorAll("main table, main figure, main p, main ul, main dl, header *")]
   .filter((e) => e.getClientRects().length && !e.closest("svg") && e.getBoundingClientRect().right > width + 1)
   .map((e) => `${(e.closest("section") || {}).id} ${e.tagName} ${Math.round(e.getBoundingClientRect().right - width)} px: ${e.textContent.slice(0, 40)}`)
 """
 
-# Smallest text of these elements in pt, with its beginning.
+# Smallest text size of these elements in pt, with the beginning of the text.
 SMALLEST = """
 (elements) => [...document.querySelectorAll(elements)].filter((e) => e.getClientRects().length && [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()))
   .map((e) => [0.75 * parseFloat(getComputedStyle(e).fontSize), e.textContent.slice(0, 40)])
@@ -48,13 +48,13 @@ def printed(page: Page, report: Path, path: Path) -> None:
     page.pdf(path=path, format="A4", print_background=True)
     if not shutil.which("pdftotext"):
         return
-    # By how much the browser has shrunk the page, from the width of a word: independent of the font.
+    # Factor by which the browser has shrunk the page, from the width of a word; it does not depend on the font.
     boxes = subprocess.run(["pdftotext", "-bbox", "-l", "1", path, "-"], capture_output=True, text=True, check=True).stdout
     word = re.search(r'<word xMin="([\d.]+)" yMin="[\d.]+" xMax="([\d.]+)" yMax="[\d.]+">nailnoise<', boxes)
     assert word, f"{report}, printed: the first page does not name the program"
     factor = (float(word[2]) - float(word[1])) / name
     assert factor > 0.97, f"{report}, printed: shrunk to {factor:.2f}"
-    # Of one size with the paper, the sizes are those of the style sheet.
+    # The page is not shrunk, so text sizes are those of the style sheet.
     assert body[0] >= BODY, f"{report}, printed: text of {body[0]:.1f} pt: {body[1]}"
     assert cells[0] >= CELLS, f"{report}, printed: text of {cells[0]:.1f} pt: {cells[1]}"
     text = subprocess.run(["pdftotext", "-layout", path, "-"], capture_output=True, text=True, check=True).stdout

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from playwright.sync_api import Page
 
-# Largest angle between a normal of a cylinder and the radius, and the least factor by which four times as many sides
-# reduce the error of a change of normals: the weights of the mean are those of the undeformed surface.
+# Cosine of the largest angle between a normal of a cylinder and the radius. Least factor by which four times as many
+# sides reduce the error of a change of normals; the weights of the mean are those of the undeformed surface.
 RADIAL = math.cos(math.radians(1))
 REDUCTION = 3
 
@@ -56,7 +56,7 @@ LAWS = """
 }
 """
 
-# The place in space under a place of the canvas, in the plane of the view.
+# The point in space under a point of the canvas, in the plane of the view.
 UNDER = """
 ([x, y]) => {
   const own = window.nailnoise.scene, canvas = document.querySelector(".scene canvas");
@@ -65,7 +65,7 @@ UNDER = """
 }
 """
 
-# Names of the parts that are seen.
+# Names of the visible parts.
 SEEN = """
 () => {
   const found = new Set();
@@ -106,7 +106,7 @@ def scene(page: Page, report: Path, picture: Path) -> None:
 def laws(page: Page) -> None:
     page.evaluate(BODIES)
     found = page.evaluate(LAWS)
-    # The diagonals of the cube's sides are no edges, and a cylinder has those of its caps.
+    # Diagonals of the cube's sides are not edges; a cylinder has the edges of its caps.
     coarse, fine = found["rounds"]
     assert [found["edges"], coarse["edges"], fine["edges"]] == [12, 48, 192], found
     assert found["sharp"] > 1 - 1e-6 and coarse["radial"] > RADIAL, found

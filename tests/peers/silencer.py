@@ -16,7 +16,7 @@ import numpy as np
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "silencer"
 MARKS = "<!-- made by tests/peers/silencer.py -->\n\n", "\n<!-- end -->\n"
-# Holes, their diameter [m] and their pitch [m], as in the files.
+# Number of holes, diameter [m] and pitch [m], from the files.
 TESTS = {"bare": (1, 8e-3, None), "silencer": (100, 1e-3, 4e-3)}
 VESSEL, TEMPERATURE, AMBIENT = 2e-3, 293.15, 101_325.0
 GAS_CONSTANT, RATIO = 287.05, 1.4
@@ -52,7 +52,7 @@ def tested(program, out, name):
     time, vessel = history["time [s]"], history["vessel_pressure [Pa]"]
     pressure, flow = conductance(time, vessel)
     at = {gauge: int(np.argmax(pressure < 1e5 * gauge + AMBIENT)) for gauge in (6, 4, 2, 1, 0.5)}
-    # C where the flow is choked; b from where it is not.
+    # C from the choked flow; b from the flow that is not choked.
     choked = flow[at[4]] / pressure[at[4]]
     ratios = []
     for back in (0.6, 0.7, 0.8):

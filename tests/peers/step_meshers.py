@@ -30,9 +30,9 @@ SIZES = 18, 10
 # Limits of rapidmesh on address space [bytes] and processor time [s]: the bore along y takes more than 5 GB.
 MEMORY, SECONDS = 4 << 30, 120
 FINE = 7
-# rapidmesh takes its size as a mean: its longest sides are at most 1.8 times as long.
+# rapidmesh uses its size as a mean: its longest sides are at most 1.8 times as long.
 LONGEST = 1.8
-# Options of rapidmesh for a size: as a user would begin, and as its documentation says for quadratic elements.
+# Options of rapidmesh for a size: those of a new user, and those of its documentation for quadratic elements.
 WAYS = {
     "rapidmesh": lambda size: {"maxh": size},
     "rapidmesh, error": lambda size: {"maxh": size / LONGEST, "geom_error": 1e-3, "order": 2},

@@ -31,7 +31,7 @@ def case(program: str, base: str, mode: int, umask: str) -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         folder.chmod(0o755)
-        # Neither user may be able to enter the folder of the program; the design must be one that both can read.
+        # Perhaps neither user can enter the folder of the program, so copy it. Both must be able to read the design.
         own = folder / "nailnoise"
         shutil.copy(program, own)
         own.chmod(0o755)

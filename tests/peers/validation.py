@@ -98,7 +98,7 @@ def table(rows):
 
 def summary(rows):
     """Which predictions lie apart from the measurement with their whole interval."""
-    # A row without an interval has the distance of a single value, which says little.
+    # A row without an interval states the distance of a single value, which has little meaning.
     known = [row for row in rows if row[6]]
     apart = [row for row in known if abs(float(row[7])) >= 0.05]
     text = "\n"
@@ -196,7 +196,7 @@ def main(program, page, mode):
     of_speed = speed_rows(program)
     rows = [cells(row) for row in paired(program, DRAWS if mode == "--update" else 2)]
     if mode == "--update-values":
-        # Two draws make no interval.
+        # Two draws do not give an interval.
         rows = [with_old_interval([*row[:6], "", row[7]], old) for row in rows]
     if mode:
         text, _ = replaced(text, BEGIN, END, table(rows) + summary(rows))

@@ -73,7 +73,7 @@ def threads(process: int) -> int:
     return len(os.listdir(f"/proc/{process}/task"))
 
 
-# The report that is in the page, not only announced: its number, and the bar above it.
+# The report is in the page, not only announced: check its number and the bar above it.
 SHOWN = """([value, before]) => Number(document.documentElement.dataset.shown || 0) > before
   && document.getElementById("failure").hidden && document.getElementById("bar").textContent.includes(value)"""
 FAILED = """(text) => !document.getElementById("failure").hidden && document.getElementById("failure").textContent.includes(text)"""
@@ -100,7 +100,7 @@ def main(program: Path, design: Path, pictures: Path, saves: int) -> None:
     between.write_text(f'base = "{design.resolve()}"\n')
     text = lambda pressure: f'base = "between.toml"\nsupply.pressure = "{pressure} kPa"\n'
     own.write_text(text(690))
-    # A cache of its own: every run is computed, and none is shorter because an earlier step had the same design.
+    # A separate cache: every run is computed, and none is faster because an earlier step had the same design.
     environment = {**os.environ, "NAILNOISE_CACHE": str(folder / "cache")}
     process = subprocess.Popen(
         [program, "watch", own], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment
@@ -136,7 +136,7 @@ def main(program: Path, design: Path, pictures: Path, saves: int) -> None:
             if number == 3:
                 page.get_by_role("button", name="Pin run").click()
             if number == 7:
-                # They stay at the reader's position.
+                # Later reports remain at the scroll position of the reader.
                 page.frames[1].evaluate("window.scrollTo({ top: 700, behavior: 'instant' })")
             if number == 8:
                 assert abs(page.frames[-1].evaluate("window.scrollY") - 700) < 2, "the page jumps"
@@ -146,7 +146,7 @@ def main(program: Path, design: Path, pictures: Path, saves: int) -> None:
             if len(resident) == FIRST_RUNS:
                 peak = memory(process.pid, "VmHWM")
             idle = threads(process.pid)
-        # Pages that are opened and closed leave no thread behind.
+        # Pages that are opened and closed do not leave threads behind.
         for _ in range(10):
             other = browser.new_page()
             other.goto(address)
@@ -162,7 +162,7 @@ def main(program: Path, design: Path, pictures: Path, saves: int) -> None:
         browser.close()
     own_errors = [error for error in errors if "ERR_CONNECTION_REFUSED" not in error and "ERR_INCOMPLETE_CHUNKED" not in error]
     assert not own_errors, own_errors
-    # The allocator may keep the memory of a run for the next ones, but no more than a run needs at its peak.
+    # The allocator may retain the memory of a run for later runs, but not more than the peak of a run.
     last = median(resident[-FIRST_RUNS:])
     assert last < 1.2 * peak + 20, f"memory grows: {resident} after a peak of {peak}"
     shutil.rmtree(folder)

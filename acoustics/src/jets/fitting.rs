@@ -11,14 +11,14 @@ use crate::muffler::plane_wave_limit;
 /// Width of the transition to frequencies above the plane-wave range: a sixth of an octave.
 const TRANSITION: f64 = 1.0 / 6.0;
 
-/// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter
-/// wave of the gas inside it.
+/// A pipe on the exhaust holes. The choked holes close it at one end, and the other end is open, so that the gas inside
+/// it resonates as a quarter wave.
 ///
-/// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end. The gas
-/// of the outflow fills the pipe and the near field of its mouth, as it leaves there as a jet. The far field is the
-/// ambient air. The impedance of the end, over rho c/S of the outflow's gas, has three parts. The reactance x of
-/// [`OpenEnd`] is that in this gas, its resistance r that in the ambient air. The jet, p = rho U^2/2, adds the
-/// resistance M, which absorbs and does not radiate.
+/// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end. The gas of
+/// the outflow fills the pipe. Because it leaves as a jet, it also fills the near field of the mouth. The far field is
+/// the ambient air. The impedance of the end, divided by rho c/S of the outflow's gas, has three parts. The reactance x
+/// of [`OpenEnd`] is evaluated in this gas, and its resistance r in the ambient air. The jet, p = rho U^2/2, adds the
+/// resistance M, which absorbs sound and does not radiate it.
 ///
 /// ```text
 /// k = 2 pi f/c, k0 = 2 pi f/c0                    z = (rho0 c0/rho c) r(k0 a) + j x(k a) + M
@@ -26,7 +26,7 @@ const TRANSITION: f64 = 1.0 / 6.0;
 /// ```
 ///
 /// G is the radiated energy relative to that of the same flow as a monopole in free space. G = 1 is assumed above the
-/// first cross mode of the pipe; there is a transition over the sixth of an octave below it.
+/// first cross mode of the pipe, with a transition over the sixth of an octave below it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PipeFitting {
     /// Length L from the holes to the open end \[m\].
@@ -51,11 +51,11 @@ pub struct FilledFitting {
 }
 
 impl PipeFitting {
-    /// Fills the pipe with gas of `temperature` or, if that is `None`, of the stagnation temperature `outflow` \[K\]:
-    /// the flow in the pipe is slow. `outside` is the ambient air.
+    /// Fills the pipe with gas at `temperature`. If that is `None`, the gas has the stagnation temperature `outflow`
+    /// \[K\], because the flow in the pipe is slow. `outside` is the ambient air.
     ///
     /// # Errors
-    /// Dimensions or a temperature that are not positive, a Mach number outside 0 to 1.
+    /// If a dimension or temperature is not positive, or the Mach number is outside 0 to 1.
     pub fn filled(&self, outflow: f64, outside: &Air) -> Result<FilledFitting, InputError> {
         self.check()?;
         let temperature = self.temperature.unwrap_or(outflow);
@@ -82,8 +82,8 @@ impl PipeFitting {
 }
 
 impl FilledFitting {
-    /// Ratio H of the volume flows at the open end and at the holes, for an impedance z of the end over rho c/S of the
-    /// gas inside.
+    /// Ratio H of the volume flows at the open end and at the holes, for an impedance z of the end divided by rho c/S
+    /// of the gas inside.
     pub fn flow_ratio(&self, hz: f64, end: Complex<f64>) -> Complex<f64> {
         let (sine, cosine) = (2.0 * PI * hz / self.gas.sound_speed * self.pipe.length).sin_cos();
         (cosine + Complex::<f64>::i() * end * sine).inv()
@@ -97,7 +97,7 @@ impl FilledFitting {
     /// Energy G(f) relative to that of the monopole without the fitting.
     ///
     /// # Errors
-    /// A frequency that is not positive.
+    /// If the frequency is not positive.
     pub fn gain(&self, hz: f64) -> Result<f64, InputError> {
         self.response(hz).map(|response| response.norm_sqr())
     }

@@ -55,7 +55,7 @@ impl ExhaustHistory {
     /// A-weighted power of jets and monopole within `range_hz`, and the levels between adjacent `edges` \[s\].
     ///
     /// Windowing random noise does not change its expected energy if its spectrum is smooth on the scale of the
-    /// window's spectrum. The level as measured therefore differs only for the monopole.
+    /// window's spectrum. The level that a measurement would give therefore differs only for the monopole.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> (Vec<PowerHistory>, Vec<IntervalLevels>) {
         let jets = self.jets(range_hz);
         let between = jets.energies_between(edges);

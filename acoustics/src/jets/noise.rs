@@ -20,9 +20,9 @@ pub const UNSTEADY_FLOW: &str = "unsteady flow";
 
 /// Strouhal number f D_j/U_j at which mixing noise peaks, in the spectrum per hertz.
 ///
-/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets from drilled plates (0.1 to 0.3 for free jets, 5.4.2), for the peak
-/// in third octaves; third octaves of the similarity spectrum peak at 0.6. In third octaves, a cold jet at 302 m/s in
-/// NASA's rig peaks at 1, at 60 and 90 degrees; `docs/uncertainty.md` discusses the differences.
+/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets from drilled plates (0.1 to 0.3 for free jets, 5.4.2). These values
+/// are for the peak in third octaves; third octaves of the similarity spectrum peak at 0.6. A cold jet at 302 m/s in
+/// NASA's rig peaks at 1 in third octaves, at 60 and 90 degrees; `docs/uncertainty.md` discusses the differences.
 const MIXING_STROUHAL: f64 = 0.2;
 
 /// Largest fraction of the mass that may leave against a higher pressure, due to inertia or at the end of a filling
@@ -75,7 +75,7 @@ pub struct ExhaustNoise {
     pub mixing_outside_range: f64,
     /// Mass that left through the opening, according to the cycle \[kg\].
     pub mass: f64,
-    /// Stagnation temperature of the outflow, averaged over its mass \[K\]; that of the air where nothing flows.
+    /// Stagnation temperature of the outflow, averaged over its mass \[K\]; that of the air if nothing flows.
     pub outflow_temperature: f64,
     /// Mass of the isentropic jets \[kg\]; close to `mass` if areas and pressures are consistent with those of the
     /// cycle.
@@ -90,8 +90,8 @@ pub struct ExhaustNoise {
 /// The opening is silent while the flow is inward, or the pressure is at or below ambient.
 ///
 /// # Errors
-/// Histories of different lengths or with values that are not finite. An impossible opening, jets that merge, air that
-/// leaves against a higher pressure, or a muffler that does not cover the analysed range.
+/// If histories differ in length or contain values that are not finite. Also for an impossible opening, jets that
+/// merge, air that leaves against a higher pressure, or a muffler that does not cover the analysed range.
 pub fn exhaust_noise(
     source: impl Into<String>,
     history: &FlowHistory,

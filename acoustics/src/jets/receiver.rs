@@ -14,7 +14,8 @@ use std::f64::consts::PI;
 pub struct Outlet {
     /// Position \[m\].
     pub position: [f64; 3],
-    /// Directions of the jets, of any length, one for each jet or group of jets; all have the same share of the energy.
+    /// Directions of the jets as vectors of any length, one for each jet or group of jets. All jets or groups have the
+    /// same share of the energy.
     pub directions: Vec<[f64; 3]>,
 }
 
@@ -26,8 +27,8 @@ pub struct Floor {
     /// Coherence between the jet noise radiated towards the floor and towards the receiver, 0 to 1.
     ///
     /// 1 represents a point source that emits the same signal in all directions, so that direct and reflected sound
-    /// interfere. With 0, energies are added: the limit for jet noise at high frequency, which is uncorrelated between
-    /// directions tens of degrees apart. The unsteady outflow is always treated as a point source.
+    /// interfere. With 0, energies are added. This is the limit for jet noise at high frequency, which is uncorrelated
+    /// between directions that differ by tens of degrees. The unsteady outflow is always treated as a point source.
     pub coherence: f64,
 }
 

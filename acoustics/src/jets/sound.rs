@@ -29,8 +29,8 @@ impl ExhaustNoise {
     /// Pressure at a point over time \[Pa\]: one realisation of the noise, whose expected exposure is
     /// [`ExhaustNoise::at`].
     ///
-    /// Jet noise is random: frames of 5 ms with 50 % overlap contain sines with the amplitudes of their bursts and
-    /// random phases, windowed so that the powers of overlapping frames add to one. Frequencies below half the
+    /// Jet noise is random. Frames of 5 ms with 50 % overlap contain sines with the amplitudes of their bursts and
+    /// random phases. They are windowed so that the powers of overlapping frames add to one. Frequencies below half the
     /// resolution of a frame, about 100 Hz, contain only the unsteady outflow, which is a deterministic signal.
     ///
     /// # Errors

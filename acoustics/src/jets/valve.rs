@@ -156,7 +156,7 @@ impl ValveNoise {
         }
     }
 
-    /// Sound energy of the outflow of a record \[J\], as a second estimate of the jet noise. Inflow is silent.
+    /// Sound energy of the outflow of a record \[J\]: a second estimate of the jet noise. Inflow is silent.
     ///
     /// The standard describes valves in pipes; its efficiency for holes in free air is an extrapolation.
     pub fn energy(&self, history: &FlowHistory, air: &Air) -> f64 {

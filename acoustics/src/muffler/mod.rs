@@ -1,8 +1,9 @@
-//! Mufflers: measured insertion loss, or that computed from chambers and lined pipes by transfer matrices.
+//! Mufflers: insertion loss, either measured or computed from chambers and lined pipes by transfer matrices.
 //!
 //! Only plane waves in air at rest in the ambient state are included; convection of sound by the flow is neglected. The
-//! flow resistance of the muffler raises the upstream pressure and slows the cycle, which models it as a restriction
-//! downstream of the holes; that pressure is [`FlowHistory::back_pressure`](crate::jets::FlowHistory::back_pressure).
+//! flow resistance of the muffler raises the upstream pressure and slows the cycle. The cycle models it as a
+//! restriction downstream of the holes; the raised pressure is
+//! [`FlowHistory::back_pressure`](crate::jets::FlowHistory::back_pressure).
 
 mod elements;
 pub(crate) mod error;

@@ -145,8 +145,9 @@ impl AveragedResistance {
         }
     }
 
-    /// Adds signals whose sum of squares is `share` times a^H (R / omega²) a: those of odd-numbered nodes to the first
-    /// half of the rows of `signals`, those of even-numbered ones to the second half, each modes x bins.
+    /// Adds signals whose sum of squares is `share` times a^H (R / omega²) a. Signals of odd-numbered nodes are added
+    /// to the first half of the rows of `signals`, and those of even-numbered ones to the second half. Each half is
+    /// modes x bins.
     pub(crate) fn add_root_signals(
         &self,
         (frequency, share): (&[f64], &[f64]),

@@ -10,8 +10,8 @@ const ROWS: usize = 256;
 const USED_UP: f64 = 1e-12;
 
 /// Low-rank factor L of a symmetric, positive semidefinite C = L L^T, modes x rank, accurate to single precision
-/// relative to the largest entry; computed by pivoted Cholesky factorisation, which ends at the rank of C. The rank is
-/// low in narrow bands.
+/// relative to the largest entry. It is computed by pivoted Cholesky factorisation, which ends at the rank of C. The
+/// rank is low in narrow bands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowRank(DMatrix<f32>);
 

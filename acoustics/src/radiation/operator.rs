@@ -47,9 +47,9 @@ pub trait ModalRadiation: Sync {
         self.modes()
     }
 
-    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the complete surface: x = S^H
-    /// a, where S is the Hermitian root of R / omega², which is smooth over frequency. Where S is interpolated the
-    /// energies are accurate to the interpolation error.
+    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the complete surface. They are
+    /// x = S^H a, where S is the Hermitian root of R / omega². S is smooth over frequency; where it is interpolated,
+    /// the energies are accurate to the interpolation error.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut signals = DMatrix::zeros(accelerations.nrows(), frequency.len());
         for (bin, &hz) in frequency.iter().enumerate() {

@@ -15,8 +15,8 @@ use crate::checks::{InputError, positive};
 /// Number of points over half of the directions; exact to 1e-9 for pipes of up to four wavelengths.
 const POINTS: usize = 32;
 
-/// Radiation of the wall of a pipe that moves as a whole along a line, by the part of the motion along its axis and
-/// that across it. The two dipoles are at right angles, so their powers add.
+/// Radiation of the wall of a pipe that moves as a rigid body along a line. The motion is divided into a part along the
+/// axis of the pipe and a part across it. The two dipoles are at right angles, so their powers add.
 ///
 /// ```text
 /// E(f) = 2 |A/omega|^2 R                 R = s^2 R_along + (1 - s^2) R_across
@@ -29,9 +29,9 @@ const POINTS: usize = 32;
 /// radius (M. C. Junger and D. Feit, Sound, Structures, and Their Interaction, 2nd ed. 1986, sec. 6.8: the far field of
 /// a cylinder by stationary phase; Morse and Ingard 1968, sec. 7.3, per length). H_1' is the derivative of the Hankel
 /// function. The gas inside moves with the wall. At low frequencies this is the dipole of the mass that the pipe
-/// displaces and of an equal added mass, R = rho0 c0 pi L^2 (ka)^4/3. Flow around a free end lowers the added mass to
-/// 0.62 times this for a free cylinder 1.2 times as long as wide (DNV-RP-C205, 2010, table A-2), and the level by 1.8
-/// dB.
+/// displaces and of an equal added mass, R = rho0 c0 pi L^2 (ka)^4/3. Flow around the free ends lowers this added mass.
+/// For a free cylinder 1.2 times as long as it is wide, the factor is 0.62 (DNV-RP-C205, 2010, table A-2), and the
+/// level is 1.8 dB lower.
 ///
 /// Along: the wall slides through the air, and the gas inside belongs to the surface at the closed end. Only the
 /// annular ends push air. They are modelled as a sphere with the volume of the wall.
@@ -56,10 +56,10 @@ pub struct OscillatingPipe {
 }
 
 impl OscillatingPipe {
-    /// The operator of a pipe, whose sound has this name.
+    /// The operator of a pipe; `name` is the name of its sound.
     ///
     /// # Errors
-    /// Dimensions that are not positive, a wall thicker than the radius, a cosine outside -1 to 1.
+    /// If a dimension is not positive, the wall is thicker than the radius, or the cosine is outside -1 to 1.
     pub fn new(name: impl Into<String>, wall: PipeWall, air: &Air) -> Result<Self, InputError> {
         positive("length of the pipe [m]", wall.length)?;
         positive("outer radius of the pipe [m]", wall.outer_radius)?;

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Rows are padded with zeros to full vectors.
 const LANES: usize = 16;
 
-/// Hermitian matrices of the same size. For each, the upper triangle by columns, followed by the imaginary part of the
-/// upper triangle without its diagonal if any matrix has one.
+/// Hermitian matrices of the same size. The row of each matrix contains the upper triangle by columns. If any matrix
+/// has an imaginary part, the imaginary part of the upper triangle, without its diagonal, follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PackedHermitian {
     modes: usize,
@@ -117,7 +117,7 @@ impl PackedHermitian {
         }
     }
 
-    /// Combines the first `count` matrices into one and keeps the others.
+    /// Combines the first `count` matrices into one and leaves the others unchanged.
     pub(super) fn with_sum_of(&self, count: usize) -> Self {
         let stride = self.stride();
         let (first, others) = self.values.split_at(count.min(self.matrices) * stride);
@@ -142,7 +142,7 @@ impl PackedHermitian {
         pairs.map(|(a, b)| f64::from(*a) - f64::from(*b)).collect()
     }
 
-    /// Adds such rows times factors.
+    /// Adds rows like those of [`Self::less`], each set times its factor.
     pub(super) fn add<'a>(&mut self, terms: impl Iterator<Item = (f64, &'a [f64])>) {
         let mut sums: Vec<f64> = self.values.iter().map(|v| f64::from(*v)).collect();
         for (factor, rows) in terms {
@@ -250,9 +250,9 @@ pub(super) fn diagonal(modes: usize, row: &[f64]) -> impl Iterator<Item = f64> {
     (0..modes).map(|i| row[i * (i + 3) / 2])
 }
 
-/// Visits the squares of all entries of the Hermitian matrix in a row, with each entry divided by the square roots of
-/// `scale` for its two modes: how often the entry occurs in the matrix, then its square. Real parts come first, then
-/// imaginary ones.
+/// Visits all entries of the Hermitian matrix in a row, each divided by the square roots of `scale` for its two modes.
+/// The arguments are how often the entry occurs in the matrix, and its square. Real parts come first, then imaginary
+/// ones.
 pub(super) fn scaled_squares(scale: &[f64], row: &[f64], mut visit: impl FnMut(f64, f64)) {
     let mut entries = row.iter();
     for diagonal in [1, 0] {

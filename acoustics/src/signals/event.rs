@@ -12,8 +12,8 @@ pub const REFERENCE_PRESSURE: f64 = 20e-6;
 /// Oversampling of the record for the peak search; without it, the peak is underestimated by up to 3 dB.
 const PEAK_OVERSAMPLING: usize = 8;
 
-/// Padding before the transform \[s\], in which the slowest pole of the weightings, 20.6 Hz, decays by a factor of
-/// 1e-11.
+/// Padding before the transform \[s\]. During this time, the slowest pole of the weightings, 20.6 Hz, decays by a
+/// factor of 1e-11.
 const RINGING: f64 = 0.2;
 
 /// Sound exposure level L_E of a pressure record \[Pa\] sampled at intervals of `sample_interval` \[s\]; `None` for

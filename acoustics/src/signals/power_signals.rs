@@ -59,8 +59,8 @@ pub struct SignalAnalysis {
 impl PowerSignals {
     /// Creates signals (rows of `spectra`) on the bins of a source's spectrum, with E = 2 |x|² up to a factor per bin.
     ///
-    /// The factor is removed: `spectra` determine how a bin's energy varies over time, the spectrum its amount.
-    /// [`Self::mismatch`] sums up the corrections.
+    /// The factor is removed: `spectra` determine how a bin's energy varies over time, and the spectrum determines its
+    /// amount. [`Self::mismatch`] sums up the corrections.
     ///
     /// # Errors
     /// If the number of bins differs from the spectrum's, or frequencies are not multiples of a common bin width.
@@ -185,7 +185,7 @@ struct Cut {
     /// Half-open range of samples.
     from: usize,
     to: usize,
-    /// The energy over the range as a sum over the bins of a transform of at least twice the section's length; its
+    /// The energy over the range, as a sum over the bins of a transform of at least twice the section's length. Its
     /// weights are equivalent to those of the section padded to 1 s ([`MeasuredSum`]).
     transform: Arc<dyn RealToComplex<f64>>,
     weights: Vec<f64>,
@@ -198,8 +198,8 @@ struct Cut {
 ///                   = sum_m q_m |Y_m|^2       q = DFT of w over |tau| < L, over M;  Y transform of the piece, M >= 2 L
 /// ```
 ///
-/// r vanishes for lags of at least the section's length L, so both sums are equal, and the second needs a transform of
-/// only M = 2 L points instead of N = 1 s.
+/// r vanishes for lags of at least the section's length L, so both sums are equal. The second needs a transform of only
+/// M = 2 L points instead of N = 1 s.
 struct MeasuredSum {
     /// w(tau) for 0 <= tau < N, periodic.
     lags: Vec<f64>,

@@ -2,7 +2,7 @@ use std::borrow::Borrow;
 
 use super::{Level, SourceSpectrum, Weighting, energy_level};
 
-/// Frequency range in which sources are compared, unless the design sets another one \[Hz\].
+/// Default frequency range for the comparison of sources \[Hz\]; a design may set another one.
 pub const COMMON_RANGE_HZ: [f64; 2] = [50.0, 10_000.0];
 
 /// Levels of a source over the common range.

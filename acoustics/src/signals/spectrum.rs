@@ -147,10 +147,10 @@ impl SourceSpectrum {
         bands_of(range_hz).into_iter().map(level_of).collect()
     }
 
-    /// Sum of the spectra of independent parts on the union of their frequencies, on which the sum of piecewise linear
-    /// functions is exact. A part that ends before the others drops to zero within one rounding step of its last
-    /// frequency, so that its energy does not extend beyond. The parts become the contributions. The range is the
-    /// intersection of their ranges.
+    /// Sum of the spectra of independent parts. It is given on the union of their frequencies, where the sum of
+    /// piecewise linear functions is exact. A part that ends before the others drops to zero within one rounding step
+    /// of its last frequency, so that its energy does not extend beyond. The parts become the contributions. The range
+    /// is the intersection of their ranges.
     pub fn sum(source: impl Into<String>, method: impl Into<String>, parts: &[Self]) -> Self {
         let ends = |part: &Self| Some([part.frequency.first()?.next_down(), part.frequency.last()?.next_up()]);
         let jumps: Vec<f64> = parts.iter().filter_map(ends).flatten().collect();

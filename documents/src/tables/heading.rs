@@ -90,7 +90,7 @@ impl Heading {
         }
     }
 
-    /// Whether the heading is a number, in which case the table has no headings.
+    /// Whether the heading is a number. The table then has no headings.
     pub(super) fn is_number(&self) -> bool {
         number(&self.text).is_some()
     }

@@ -4,13 +4,14 @@ use super::heading::Heading;
 use super::label::dimension_of;
 use super::number::number;
 
-/// Separators in the order in which they are tried: a comma may also occur in a heading or a decimal number.
+/// Separators, in the order that the search tries them: a comma may also occur in a heading or a decimal number.
 const SEPARATORS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
 /// Number of lines searched for the headings.
 const PREAMBLE: usize = 200;
 
-/// Number of lines after the headings searched for numbers: a row of units and one damaged row may precede them.
+/// Number of lines after the headings that are searched for numbers. A row of units and one damaged row may precede the
+/// numbers.
 const BEHIND: usize = 4;
 
 /// Beginning of a row.

@@ -29,7 +29,7 @@ impl Table {
             values: vec![Vec::new(); columns.len()],
             lines: Vec::new(),
         };
-        // The line on which each column ended.
+        // Line number of the end of each column.
         let mut ends: Vec<Option<usize>> = vec![None; columns.len()];
         let mut marks = Marks::default();
         self.rows(|line, record| {
@@ -61,7 +61,7 @@ impl Table {
                         continue;
                     }
                     None => format!(
-                        "\"{}\" is \"{}\", which is no finite number{}",
+                        "\"{}\" is \"{}\", which is not a finite number{}",
                         heading(),
                         shown(field, SHOWN),
                         if field.contains(':') {
@@ -237,7 +237,7 @@ mod tests {
         let fault = read(text).map_err(|fault| fault.to_string());
         assert_eq!(
             fault,
-            Err("line 8: \"N\" is \"none\", which is no finite number".to_owned())
+            Err("line 8: \"N\" is \"none\", which is not a finite number".to_owned())
         );
         let fields = read("t,N\n0,1\n1,2,3\n").map_err(|fault| fault.to_string());
         assert_eq!(

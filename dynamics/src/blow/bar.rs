@@ -74,7 +74,7 @@ impl Bar {
         }
     }
 
-    /// Moves the velocities on by `dt` \[s\] under springs and loads.
+    /// Advances the velocities by `dt` \[s\] under springs and loads.
     fn kick(&mut self, dt: f64) {
         let mut tension = 0.0;
         for i in 0..self.mass.len() {

@@ -37,7 +37,8 @@ pub struct Course<'a> {
     pub strike: f64,
     /// Velocity of the driver before it \[m/s\].
     pub speed: f64,
-    /// Time after it at which the work first unloads \[s\]; `None` for a resistance that is the same upwards.
+    /// Time after it at which the work first unloads \[s\]; `None` for a resistance that is the same in both
+    /// directions.
     pub unloads: Option<f64>,
     /// The driver.
     pub driver: DriverMotion<'a>,
@@ -101,7 +102,7 @@ impl<'a> Course<'a> {
 
     /// Time at which the fastener first stops in the work \[s\]: that of its unloading or, without one, by linear
     /// interpolation between samples; `None` if it does not stop. Its tip enters the work where the driver's position
-    /// relative to it is `tip_at` \[m\].
+    /// relative to the work is `tip_at` \[m\].
     pub fn stop(&self, tip_at: f64) -> Option<f64> {
         if self.unloads.is_some() {
             return self.unloads;

@@ -1,4 +1,4 @@
-//! The wood's grip of a part of the nail: a yield force in series with a spring and a radiation dashpot.
+//! The wood's grip on a section of the nail: a yield force in series with a spring and a radiation dashpot.
 
 /// The soil model of pile driving: E. A. L. Smith, Pile-driving analysis by the wave equation, J. Soil Mech. Found.
 /// Div. ASCE 86, 35, 1960; with the dashpot inside the slider, M. F. Randolph and H. A. Simons, An improved soil model

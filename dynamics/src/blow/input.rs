@@ -22,7 +22,7 @@ pub struct BlowInput {
     pub bars: ElasticBlow,
     /// The fastener, with the law of the wood's resistance.
     pub fastener: Fastener,
-    /// Friction along the shank as a share of the resistance at full depth, for laws that do not state it.
+    /// Friction along the shank as a fraction of the resistance at full depth, for laws that do not state it.
     pub friction_share: f64,
     /// Mass of the driver \[kg\].
     pub driver_mass: f64,

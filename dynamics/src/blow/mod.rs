@@ -3,18 +3,19 @@
 //! The cycle has a single moving mass. In addition, the driver's rod and the fastener, a nail or staple, are modelled
 //! as elastic bars from the impact until shortly after the nail stops. The rest of the driver's mass, as a piston, is
 //! at the upper end of the rod. The forces of the cycle on the driver, without gravity and the resistance F of the
-//! wood, act on this mass: m (a - g) + F, with the moving mass m and the acceleration a of the cycle. Rod and nail
-//! touch without tension, and the wood grips the nail's elements, its tip and its head. The limits of the grips sum to
-//! the resistance of the cycle's law at the nail's local speed.
+//! wood, act on this mass. They are m (a - g) + F, with the moving mass m and the acceleration a of the cycle. Rod and
+//! nail touch without tension, and the wood grips the nail's elements, its tip and its head. The limits of the grips
+//! sum to the resistance of the cycle's law at the nail's local speed.
 //!
 //! ```text
 //! along the shank:  limit f_shank dx,   Z = 2 pi r rho c_s dx               (M. Novak, Can. Geotech. J. 11, 574, 1974)
 //! tip and head:     limit f_tip, f_head,  Z = 3.4 a^2 rho c_s/(1 - nu), nu = 0.4, a the radius       (J. Lysmer, 1965)
 //! ```
 //!
-//! After the first contact the nail runs ahead of the rod, the wood slows it, and the rod strikes it again, some tens
-//! of times in a shot. The times of the last strikes depend on details: with the number of elements, third octaves of
-//! the force change by less than 1 dB up to 3.15 kHz, by up to 3 dB at 4 kHz and by up to 10 dB from 6.3 kHz on.
+//! After the first contact the nail runs ahead of the rod, the wood slows it, and the rod strikes it again. This occurs
+//! some tens of times in a shot. The times of the last strikes depend on details. If the number of elements changes,
+//! third octaves of the force change by less than 1 dB up to 3.15 kHz, by up to 3 dB at 4 kHz and by up to 10 dB from
+//! 6.3 kHz upwards.
 //!
 //! The grips share the unloading stiffness k_u of the cycle in proportion to their limits, so that a rigid nail unloads
 //! as in the cycle.
@@ -40,8 +41,8 @@ use course::Sampled;
 /// c dt/h of the nail's elements; the viscosity lowers the limit of stability to 0.82.
 const COURANT: f64 = 0.7;
 
-/// Time after the nail's stop for which the bars are followed, and the last part of it over which the force goes back
-/// to that of the cycle \[s\].
+/// Time from the nail's stop to the end of the integration of the bars, and the final part of this time, when the force
+/// returns to that of the cycle \[s\].
 const AFTER_STOP: [f64; 2] = [1e-3, 0.3e-3];
 
 /// 3.4/(1 - nu) of a disc on an elastic half-space, for a Poisson's ratio of 0.4.
@@ -60,7 +61,7 @@ pub struct Blow {
     pub rod_on_nail: Vec<f64>,
     /// First and last sample of the blow.
     pub samples: [usize; 2],
-    /// Impulse on the wood until the deepest point of the nail, elastic and in the cycle \[N s\].
+    /// Impulse on the wood until the deepest point of the nail: with elastic bars, and in the cycle \[N s\].
     pub impulses: [f64; 2],
     /// Number of contacts of rod and nail.
     pub contacts: usize,
@@ -87,7 +88,7 @@ pub fn elastic_blow(input: &BlowInput, course: &Course<'_>) -> Option<Blow> {
         let weight = (0.5 * PI * remaining).sin().powi(2);
         on_wood[sample] += weight * (mean.on_wood - on_wood[sample]);
         rod_on_nail[sample] = mean.rod_on_nail;
-        // The bars step past the end of an interval, so its duration is not that between the ends of the intervals.
+        // The last step of the bars passes the end of an interval, so the averaged duration differs from the interval.
         impulse += course.resistance[sample] * (end.min(stop) - from.min(stop));
         from = end;
     }

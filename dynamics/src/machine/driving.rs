@@ -3,8 +3,8 @@
 //! ```text
 //! v_1 = v_0 M/M_1,  M_1 = M + M_n,   M_1 v' = M_1 g - E(y; v),   E = F_r + k_w max(0, y - NL)
 //! ```
-//! From the deepest point the nail springs back with k_u. It pushes the projectile, which does not hold it: they part
-//! where the force of the wood is zero (the rule `leaves = "unloaded"` of a fastener).
+//! From the deepest point the nail springs back with k_u. It pushes the projectile but cannot pull it. They separate
+//! when the force of the wood is zero (the rule `leaves = "unloaded"` of a fastener).
 
 use serde::Serialize;
 
@@ -30,7 +30,7 @@ pub struct Sample {
     pub cell: f64,
 }
 
-/// Where the projectile's energy goes \[J\].
+/// Distribution of the projectile's energy \[J\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EnergyOfDrive {
     /// M v0^2/2.
@@ -41,13 +41,13 @@ pub struct EnergyOfDrive {
     pub shank: f64,
     /// Work under the head.
     pub head: f64,
-    /// Given back by the wood from the deepest point on.
+    /// Returned by the wood after the deepest point.
     pub elastic: f64,
     /// Work of gravity.
     pub gravity: f64,
-    /// Motion left when the projectile leaves the nail.
+    /// Kinetic energy when the projectile leaves the nail.
     pub rest: f64,
-    /// Their imbalance, as a part of M v0^2/2 \[-\].
+    /// Their imbalance, as a fraction of M v0^2/2 \[-\].
     pub balance: f64,
 }
 
@@ -115,8 +115,8 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
     let (head, left) = (last(&["seats"]), last(&["left"]));
     let joint = m + nail.mass;
     let force = rig.stop_force(deepest, v0);
-    // The wood gives back F^2/(2 k_u) until the projectile leaves. A nail that the weight of the projectile holds down
-    // swings until the end of the record.
+    // The wood returns F^2/(2 k_u) until the projectile leaves. If the weight of the projectile presses on the nail,
+    // the nail oscillates until the end of the record.
     let (back, gravity, rebound, rest) = match &left {
         Some(left) => {
             let (end, rebound) = (left.value("nail.tip"), -left.value("projectile.velocity"));

@@ -4,8 +4,8 @@
 //! (M_c + M) a = (P_c - P_a) A_p - (P_u - P_a)(A_p - A_rod) - F_f - F_b + (M_c + M) g
 //! F_b = n max(0, k (u - L) + c u')  for u > L
 //! ```
-//! The projectile lies in the carrier, which pushes and does not hold it: it is free where the carrier falls behind it,
-//! a < g.
+//! The projectile lies in the carrier, which can push but not pull it. If the carrier falls behind (a < g), the
+//! projectile is free.
 
 use std::f64::consts::PI;
 
@@ -23,7 +23,7 @@ pub struct Launched {
     pub time: f64,
     /// Pressure in the cylinder then \[Pa\].
     pub pressure: f64,
-    /// Residual of the energy, as a part of the gas' work \[-\].
+    /// Residual of the energy balance, as a fraction of the work of the gas \[-\].
     pub balance: f64,
 }
 

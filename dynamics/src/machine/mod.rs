@@ -1,9 +1,9 @@
 //! A machine that drives nails by a free projectile: launch by gas, impact, penetration, rebound, sensors.
 //!
-//! Described by Nili Ahmadabadi (2016), ch. 3: a reservoir, a valve, a cylinder whose carrier throws the projectile,
-//! and bumpers that stop the carrier, so that the projectile flies on freely and strikes the nail without air pressure
-//! behind it. Dimensions and masses of the carrier and the bumpers are unpublished: they are inputs. The machine is the
-//! built-in assembly `impact_rig` with the values of a [`Machine`].
+//! Nili Ahmadabadi (2016), ch. 3, describes the machine: a reservoir, a valve, a cylinder whose carrier throws the
+//! projectile, and bumpers that stop the carrier. The projectile then flies freely and strikes the nail without air
+//! pressure behind it. The dimensions and masses of the carrier and the bumpers are unpublished, so they are inputs.
+//! The machine is the built-in assembly `impact_rig` with the values of a [`Machine`].
 
 mod driving;
 mod launch;
@@ -135,7 +135,7 @@ group! {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MachineError {
-    /// The carrier still pushes the projectile at the nail.
+    /// The carrier still pushes the projectile when it reaches the nail.
     #[error("the carrier still pushes the projectile after {travel:.4} m, where the nail stands")]
     StillPushing {
         /// Travel to the nail \[m\].
@@ -149,7 +149,7 @@ pub enum MachineError {
         /// Friction \[N\].
         friction: f64,
     },
-    /// The mass ahead of the cell is the whole projectile.
+    /// The mass ahead of the cell is not less than that of the projectile.
     #[error("projectile.mass_ahead_of_cell {ahead} kg must be below projectile.mass {mass} kg")]
     CellMass {
         /// m_f \[kg\].
@@ -195,7 +195,7 @@ pub enum MachineError {
     /// The rig does not run with these values.
     #[error("{cause}")]
     Run {
-        /// What the assembly or its integration reports.
+        /// Message of the assembly or its integration.
         cause: String,
     },
 }
@@ -245,5 +245,5 @@ impl Machine {
 
 /// 1.38 MPa gauge, read as such, over 0.101325 MPa \[Pa\].
 const HIGHEST_PRESSURE: f64 = 1.38e6 + 101_325.0;
-/// Length of the tip as a part of the nail's.
+/// Length of the tip as a fraction of the nail's length.
 const TIP: f64 = 0.09;

@@ -41,7 +41,7 @@ pub enum PlanError {
         /// Its value \[SI\].
         value: f64,
     },
-    /// The lower level of a mass would be at rest.
+    /// The lower speed level of a mass would not be positive.
     #[error(
         "a projectile of {mass} kg with {energy:.3} J flies at {speed:.3} m/s, not above the {TOOL_SPEED_STEP} m/s \
          between levels"
@@ -90,8 +90,8 @@ pub fn plan(energy: f64, masses: &[f64]) -> Result<Vec<Row>, PlanError> {
     masses.iter().map(row).collect()
 }
 
-/// The speed of impact for which NL/time to full depth is `mean` \[m/s\] by the law of the machine's wood. None where
-/// the nail reaches its full depth at no such speed.
+/// The impact speed that gives the mean speed NL/(time to full depth) = `mean` \[m/s\] with the law of the machine's
+/// wood. None if the nail does not reach its full depth at any such speed.
 ///
 /// # Errors
 /// Same as [`drive`], but for a nail that goes through the block.
@@ -105,7 +105,7 @@ pub fn speed_for_mean(machine: &Machine, fit: Option<&FittedLaw>, mean: f64) -> 
             Err(error) => Err(error),
         }
     };
-    // NL/time rises with the speed of impact, from what just reaches full depth on.
+    // NL/time rises with the impact speed, from the lowest speed that reaches full depth.
     let (mut low, mut high) = (mean, 10.0 * mean);
     if found(high)?.is_none_or(|speed| speed < mean) {
         return Ok(None);
@@ -122,6 +122,6 @@ pub fn speed_for_mean(machine: &Machine, fit: Option<&FittedLaw>, mean: f64) -> 
             None => low = middle,
         }
     }
-    // The least speed that drives the nail home may already be faster on the mean.
+    // Even the lowest speed that drives the nail home may give a higher mean speed.
     Ok(reached.then_some(high))
 }

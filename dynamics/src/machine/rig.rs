@@ -24,7 +24,7 @@ const CHANNELS: [&str; 4] = ["nail.tip", "projectile.velocity", "nail.force", "c
 pub struct Shot {
     /// v0, speed of the projectile at the nail \[m/s\].
     pub speed: f64,
-    /// b, deviation of the specimen from the law, of s = sqrt(F_r/(H_M NL)).
+    /// b, deviation of the specimen's s = sqrt(F_r/(H_M NL)) from the law.
     pub deviation: f64,
 }
 
@@ -38,7 +38,7 @@ impl Rig {
         Self::new(machine, |_| true, [("wood.penetration_law", law)], "strike")
     }
 
-    /// The rig for a shot that begins at the nail, and ends where the projectile leaves it.
+    /// The rig for a shot that begins at the nail and ends when the projectile leaves it.
     pub(super) fn driving(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot) -> Result<Self, MachineError> {
         if machine.wood.penetration_law == ResistanceLaw::Fitted && fit.is_none() {
             return Err(MachineError::NoFit);

@@ -47,15 +47,15 @@ pub fn read(machine: &Machine, drive: &Drive, normal: &mut impl FnMut() -> f64) 
     readings
 }
 
-/// The response x'' + 2 zeta w x' + w^2 x = w^2 f of the cell to a force that is straight between the samples, exact to
-/// the substeps' fourth order.
+/// The response x'' + 2 zeta w x' + w^2 x = w^2 f of the cell to a force that is linear between the samples, to fourth
+/// order in the substeps.
 fn filtered(sensors: &Sensors, force: &[f64]) -> Vec<f64> {
     if sensors.cell_frequency == 0.0 {
         return force.to_vec();
     }
     let omega = TAU * sensors.cell_frequency;
     let interval = 1.0 / sensors.rate;
-    // Thirty steps a period of the cell at least.
+    // At least thirty steps per period of the cell.
     let steps = (30.0 * sensors.cell_frequency * interval).ceil().clamp(1.0, 1e4) as usize;
     let h = interval / steps as f64;
     let (mut x, mut v) = (0.0, 0.0);

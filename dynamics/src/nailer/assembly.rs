@@ -32,7 +32,7 @@ const VOLUMES: [(&str, &str); 5] = [
     ("supply", "supply-side"),
 ];
 
-/// Channels of the record in their order, which is that of the columns of its files. Later versions append to it.
+/// Channels of the record, in the order of the columns of its files. Later versions append to this list.
 const CHANNELS: [&str; 59] = [
     "piston.position",
     "piston.velocity",
@@ -99,7 +99,7 @@ const CHANNELS: [&str; 59] = [
 /// keys have the same columns.
 const SWITCHED: [[&str; 2]; 2] = [["nail.guide_force", "magazine_force"], ["thrust.force", "thrust_force"]];
 
-/// Channels that the figures of a shot need: states at the start for its log, and what its summary reads.
+/// Channels that the figures of a shot need: initial states for its log, and the channels that its summary reads.
 const CHANNELS_OF_FIGURES: [&str; 17] = [
     "piston.position",
     "piston.velocity",
@@ -120,7 +120,7 @@ const CHANNELS_OF_FIGURES: [&str; 17] = [
     "nail.deepest",
 ];
 
-/// Hole pitch of a cycle, which only sources of noise use \[m\].
+/// Hole pitch of a cycle; used only by sources of noise \[m\].
 const UNUSED_PITCH: f64 = 1.0;
 
 /// The nailer as an assembly, ready for a run.
@@ -171,14 +171,14 @@ impl<'p> Nailer<'p> {
         })
     }
 
-    /// The same nailer, whose record has no forces and pressures on surfaces.
+    /// The same nailer without forces and pressures on surfaces in its record.
     pub(super) fn without_surfaces(mut self) -> Self {
         self.assembly.loads.clear();
         self.assembly.pressures.clear();
         self
     }
 
-    /// The same nailer, whose record has only the histories that its figures need.
+    /// The same nailer with only the histories in its record that its figures need.
     pub(super) fn for_figures(self) -> Self {
         let mut nailer = self.without_surfaces();
         nailer.assembly.columns.clear();

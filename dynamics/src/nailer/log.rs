@@ -3,7 +3,7 @@
 use crate::network::{ConditionChange, LogEntry as Entry, Record};
 use crate::{Crossing, Direction, LogEntry, LogState, Parameters};
 
-/// Crossings that are conditions of events, and whether they rise where the condition becomes satisfied.
+/// Crossings that are conditions of events, and whether they rise when the condition becomes satisfied.
 const CONDITIONS: [(&str, Crossing, bool); 18] = [
     ("t1", Crossing::FirstLift, true),
     ("t2", Crossing::ControlPressure, false),

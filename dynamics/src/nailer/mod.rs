@@ -21,7 +21,7 @@ use crate::{
 
 use assembly::Nailer;
 
-/// Name of the body on which the nailer works.
+/// Name of the body that the nailer works on.
 const WORKPIECE: &str = "workpiece";
 
 /// Name of the fastener.
@@ -61,8 +61,8 @@ pub fn simulate_figures(parameters: &Parameters, settings: &Settings) -> Result<
     Ok((cycle.figures, cycle.record.work))
 }
 
-/// Computes one nailing cycle like [`simulate_loads`] on an external workpiece, coupled in both directions: the forces
-/// of the cycle act on the structure, its motion acts on the cycle, and both are consistent at every sample.
+/// Computes one nailing cycle like [`simulate_loads`] on an external workpiece, coupled in both directions. The forces
+/// of the cycle act on the structure, and its motion acts on the cycle. Both are consistent at every sample.
 ///
 /// The record's workpiece is then the surface under the nose, and its support that of the structure.
 ///
@@ -106,7 +106,7 @@ impl<E> From<RunError> for CoupledError<E> {
     }
 }
 
-/// A workpiece whose errors stay apart from those of the run.
+/// A workpiece whose errors remain separate from those of the run.
 struct Adapter<'w, W>(&'w mut W);
 
 impl<W: Workpiece> Workpiece for Adapter<'_, W> {

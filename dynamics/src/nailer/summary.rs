@@ -110,7 +110,7 @@ fn part_above([from, to]: [f64; 2], interval: f64, samples: usize, height: &dyn 
     for n in first..last {
         let (start, end) = (n as f64 * interval, (n + 1) as f64 * interval);
         let (a, b) = (height(n), height(n + 1));
-        // The part of the interval that is above zero.
+        // Fraction of the interval above zero.
         let zero = start + interval * a / (a - b);
         let [start, end] = match (a > 0.0, b > 0.0) {
             (true, true) => [start, end],

@@ -220,7 +220,7 @@ impl Audit {
         [mass, energy]
     }
 
-    /// Follows the residuals; `w` holds the positions and gas of the state.
+    /// Updates the residuals; `w` contains the positions and gas of the state.
     pub(crate) fn follow(&mut self, plan: &Plan, y: &[f64], mode: &Mode, w: &Workspace) {
         let now = plan.stock(y, mode, w);
         let [mass, enthalpy] = plan.through_openings(y);
@@ -274,13 +274,14 @@ impl Audit {
             .iter()
             .any(|f| changed(f) && after.0.switches[f.head] == head::LEFT);
         if left || plan.fasteners.iter().any(|f| changed(f) && !f.impact) {
-            // The fastener keeps its momentum when left behind; without an impact, it gained it from nowhere.
+            // A fastener that is left behind takes its momentum with it. Without an impact, the fastener gains its
+            // momentum from no other body.
             self.momentum_jump += new.momentum - old.momentum;
         }
         if lost == 0.0 {
             return;
         }
-        // A fastener that is left behind keeps its energy.
+        // A fastener that is left behind takes its energy with it.
         let name = format!("{}.{name}", if left { "left" } else { "lost" });
         match self.lost.iter_mut().find(|entry| entry.name == name) {
             Some(entry) => entry.energy += lost,
@@ -288,8 +289,9 @@ impl Audit {
         }
     }
 
-    /// Names and values of what closes the energy balance together with the integrals: energies at start and end, work
-    /// of gravity, reservoirs and constant forces, and what events removed; `w` contains the final state \[J\].
+    /// Names and values of the terms that close the energy balance together with the integrals \[J\]. They are the
+    /// energies at start and end, the work of gravity, reservoirs and constant forces, and the energy that events
+    /// removed; `w` contains the final state.
     pub(crate) fn energies(&self, plan: &Plan, y: &[f64], mode: &Mode, w: &Workspace) -> Vec<(String, f64)> {
         let end = plan.stock(y, mode, w);
         let mut energies = Vec::new();
@@ -312,7 +314,8 @@ impl Audit {
 
     pub(crate) fn checks(&self, plan: &Plan) -> Vec<Check> {
         let gas = self.start.gas.abs().max(1e-3);
-        // A polytropic gas and a passage that loses other gas than arrives violate some balances.
+        // A polytropic gas violates some balances, and so does a passage whose outflow differs from the flow that
+        // arrives.
         let mass_kept = plan.passages.iter().all(|passage| passage.undelayed.is_none());
         let energy_kept = mass_kept && plan.temperature.is_none();
         let mut checks = Vec::new();

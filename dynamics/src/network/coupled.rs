@@ -17,8 +17,7 @@ use crate::coupling::{Answer, Side, Step, couple};
 use crate::{CouplingWork, WoodForces, Workpiece};
 use nailnoise_penetration::Dual;
 
-/// Number of trials for the position of rest; only a tool that does not rest on the workpiece alone needs more than
-/// one.
+/// Number of trials for the position of rest; more than one is needed only for a tool that also rests on another body.
 const REST_TRIALS: usize = 20;
 /// Difference of the force on the workpiece at rest that may remain, as a fraction of it.
 const AT_REST: f64 = 1e-9;

@@ -12,7 +12,7 @@ use crate::coupling::{Cubic, Step};
 pub(crate) struct Driven {
     /// Its index.
     pub(crate) body: usize,
-    /// Contact or spring to the ground that shows the force of the support.
+    /// Contact or spring to the ground that outputs the force of the support.
     pub(crate) shown: Option<Carrier>,
     /// Position of the integral of the work on it.
     pub(crate) work: usize,

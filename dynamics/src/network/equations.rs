@@ -17,8 +17,8 @@ use super::rates::Workspace;
 type Matrix = NalgebraMat<f64>;
 type Vector = NalgebraVec<f64>;
 
-/// Power iterations before the growth is averaged, and those of the average. A pair of complex eigenvalues makes the
-/// growth oscillate.
+/// Number of power iterations before the growth is averaged, and number of those in the average. A pair of complex
+/// eigenvalues makes the growth oscillate.
 const SETTLING: usize = 8;
 const AVERAGED: usize = 6;
 
@@ -40,7 +40,7 @@ pub(crate) struct Equations<'p> {
     context: NalgebraContext,
 }
 
-/// What an evaluation changes.
+/// The data that an evaluation changes.
 struct Inside {
     mode: Mode,
     workspace: Workspace,

@@ -11,7 +11,7 @@ pub enum RunError {
     Passage {
         /// Name of the passage.
         name: String,
-        /// What is not supported.
+        /// Description of the unsupported feature.
         reason: &'static str,
     },
     /// A number of the run is out of range.
@@ -111,7 +111,7 @@ pub enum RunError {
         block: String,
         /// Changes counted.
         count: usize,
-        /// Window in which they were counted \[s\].
+        /// Duration of the counting window \[s\].
         window: f64,
         /// Time \[s\].
         time: f64,
@@ -186,7 +186,8 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// Name of the block at fault, if it is one block: of two that switch each other, the one that can be delayed.
+    /// Name of the block at fault, if it is a single block. Of two that switch each other, it is the one that can be
+    /// delayed.
     pub fn block(&self) -> Option<&str> {
         match self {
             Self::Passage { name, .. } => Some(name),

@@ -21,7 +21,7 @@ struct Change {
 /// A condition whose edges are recorded, and the events that it defines.
 #[derive(Debug, Clone)]
 struct Watched {
-    /// Indices of comparisons, all of which must be satisfied.
+    /// Indices of comparisons that must all be satisfied.
     levels: Vec<usize>,
     satisfied: bool,
     events: Vec<usize>,

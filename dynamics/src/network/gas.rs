@@ -154,8 +154,8 @@ impl Air {
                 };
                 let change = (next - pm).abs();
                 pm = next;
-                // With quadratic convergence, a change of 1e-8 leaves an error of 1e-13 where the flow function is most
-                // curved.
+                // With quadratic convergence, a change of 1e-8 leaves an error of 1e-13 at the largest curvature of the
+                // flow function.
                 if change <= 1e-8 * pm && next == newton {
                     break;
                 }

@@ -1,5 +1,5 @@
-//! The Jacobian by elements: each block is evaluated once in dual numbers of its own few variables, and the derivatives
-//! are chained through the pressures and temperatures of the volumes.
+//! The Jacobian by elements: each block is evaluated once in dual numbers of its few variables, and the derivatives are
+//! chained through the pressures and temperatures of the volumes.
 //!
 //! ```text
 //! dP/dU = P/U,  dP/dx = -P s A/V,  dT/dU = T/U,  dT/dm = -T/m
@@ -115,7 +115,7 @@ fn targets(plan: &Plan, mode: &Mode, pair: Pair) -> [Target; 2] {
         } else if let Some(driven) = plan.driven
             && (body == driven.body || body == plan.grip())
         {
-            // Forces, from which `wood_rows` makes the rows.
+            // Forces; `wood_rows` computes the rows from them.
             Target {
                 row: if body == driven.body { 2 * body + 1 } else { driven.work },
                 factor: sign,
@@ -329,8 +329,8 @@ impl Plan {
         [Some(self.energy() + volume), self.heat, ledger].into_iter().flatten()
     }
 
-    /// The energy of an isothermal volume follows its mass; the wall heat is the difference to the energy balance,
-    /// which is in the energy row so far.
+    /// The energy of an isothermal volume follows its mass; the wall heat is the difference from the energy balance,
+    /// which the energy row contains so far.
     fn isothermal_rows(&self, j: &mut Jacobian) {
         let cv = self.cp - self.gas_constant;
         for (i, volume) in self.volumes.iter().enumerate() {
@@ -412,7 +412,7 @@ mod tests {
         assembly
     }
 
-    /// A state and a mode in which every block acts.
+    /// A state and a mode where every block acts.
     fn acting(plan: &Plan) -> (Vec<f64>, Mode) {
         let origin = plan.start().unwrap();
         let mut mode = origin.mode;

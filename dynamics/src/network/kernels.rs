@@ -52,7 +52,7 @@ impl<S: Real> Flow<S> {
     }
 }
 
-/// Variables on which a passage's flow depends.
+/// Variables that determine a passage's flow.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ends<S> {
     pub(crate) from: Gas<S>,

@@ -1,4 +1,4 @@
-//! Newton matrices of states with integrals, of which only the state block is factorised.
+//! Newton matrices of states with integrals. Only the state block is factorised.
 //!
 //! ```text
 //! I - c J = [ A 0 ]    A x = b,   q = d - B x

@@ -1,7 +1,7 @@
 //! Locates sign changes on an interpolant.
 
 /// Last point of the narrowest bracket of a sign change of `f` between `a` and `b` (Illinois variant of regula falsi,
-/// Dowell and Jarratt 1971, safeguarded by bisection); the point returned has the sign of `fb`.
+/// Dowell and Jarratt 1971, safeguarded by bisection). The point returned has the sign of `fb`.
 pub(crate) fn locate<E>(
     mut a: f64,
     mut b: f64,

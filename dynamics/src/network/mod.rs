@@ -74,8 +74,8 @@ pub fn simulate(assembly: &Assembly, numerics: &Numerics) -> Result<Record, RunE
 /// Number of times that a run is repeated at a tenth of its tolerance.
 const REFINEMENTS: usize = 2;
 
-/// Integrates an assembly like [`simulate`], and again at a tenth of the tolerance while a balance of the record misses
-/// its limit: errors of the integration add up over many strokes or blows.
+/// Integrates an assembly like [`simulate`], and repeats the run at a tenth of the tolerance while a balance of the
+/// record exceeds its limit. Errors of the integration add up over many strokes or blows.
 ///
 /// # Errors
 /// The errors of [`simulate`] at the tolerance of `numerics`.
@@ -95,14 +95,15 @@ pub fn simulate_balanced(assembly: &Assembly, numerics: &Numerics) -> Result<Rec
     Ok(record)
 }
 
-/// Integrates an assembly like [`simulate`] with an external structure in place of one of its bodies, by index. They
-/// are coupled in both directions: the forces of other bodies act on the structure, its motion acts on the assembly,
-/// and both are consistent at every sample.
+/// Integrates an assembly like [`simulate`] with an external structure instead of one of its bodies, given by index.
+/// They are coupled in both directions. The forces of other bodies act on the structure, and its motion acts on the
+/// assembly. Both are consistent at every sample.
 ///
 /// [`WoodForces::nail`](crate::WoodForces::nail) is the force of the fasteners that enter the body,
 /// [`WoodForces::seat`](crate::WoodForces::seat) the sum of all others. Contacts, springs and friction between the body
-/// and the ground are those of the lumped body and do not act; the first contact, or else the first spring, shows the
-/// force of the structure's support. The entry `coupling.BODY` of the ledger is the work on the structure.
+/// and the ground are those of the lumped body and do not act. The force of the structure's support is output for the
+/// first contact or, without contacts, for the first spring. The entry `coupling.BODY` of the ledger is the work on the
+/// structure.
 ///
 /// # Errors
 /// The errors of [`simulate`], [`RunError::Workpiece`] for a body that cannot be replaced, [`RunError::Coupling`], and

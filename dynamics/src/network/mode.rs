@@ -29,7 +29,7 @@ pub(crate) mod head {
 
 /// Switch values of a fastener in the workpiece.
 pub(crate) mod depth {
-    /// No force: above the workpiece, or off the fastener driven so far.
+    /// No force: above the workpiece, or separated from the fastener driven so far.
     pub(crate) const FREE: u8 = 0;
     /// Goes deeper, f = E(z) within its length.
     pub(crate) const LOADING: u8 = 1;

@@ -1,4 +1,4 @@
-//! The right-hand side: loops over the kinds of blocks, each of which reads from and adds to a common workspace.
+//! The right-hand side: loops over the kinds of blocks. Each block reads from and adds to a common workspace.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -49,7 +49,7 @@ pub(crate) struct Workspace {
     /// Time since the start of the window, and force of the support, of a workpiece that an external structure moves.
     pub(crate) clock: f64,
     pub(crate) support: f64,
-    /// Flow that leaves the first space of a passage, where it differs from that which arrives.
+    /// Flow that leaves the first space of a passage, if it differs from the flow that arrives.
     pub(crate) leaving: Vec<Flow<f64>>,
     /// Past flows of delayed passages.
     pub(crate) past: PastFlows,
@@ -289,7 +289,7 @@ impl Plan {
         }
     }
 
-    /// Force that a block shows which carries the lumped workpiece.
+    /// Force output for a block that carries the lumped workpiece.
     fn carrier(&self, own: Carrier, support: f64) -> Damped<f64> {
         let shown = self.driven.is_some_and(|driven| driven.shown == Some(own));
         Damped {
@@ -370,7 +370,7 @@ impl Plan {
             let [dm, enthalpy] = w.inflow[i];
             let work = w.pressure[i] * w.growth[i];
             let rise = match volume.isothermal {
-                // The wall supplies the heat that keeps the temperature constant.
+                // The heat from the wall maintains a constant temperature.
                 Some(temperature) => {
                     w.heat[i] = cv * temperature * dm - (enthalpy - work);
                     cv * temperature * dm

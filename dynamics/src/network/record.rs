@@ -118,7 +118,7 @@ pub struct PressureHistory {
 /// An integral over the run, or an energy lost at events.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LedgerEntry {
-    /// What it is: `mass.PASSAGE`, `enthalpy.PASSAGE`, `heat`, `work.BODY`, `dashpot.BLOCK`, `lost.BLOCK`, ...
+    /// Its name: `mass.PASSAGE`, `enthalpy.PASSAGE`, `heat`, `work.BODY`, `dashpot.BLOCK`, `lost.BLOCK`, ...
     pub name: String,
     /// SI unit.
     pub unit: &'static str,
@@ -456,7 +456,7 @@ pub(crate) fn peaked(plan: &Plan) -> Vec<Peak> {
         .collect()
 }
 
-/// Name of the restriction that logs a word; empty if a whole passage or another block logs it.
+/// Name of the restriction that logs a word; empty if the passage itself or another block logs it.
 pub(crate) fn restriction_name(plan: &Plan, word: Word) -> String {
     if word.block.family != Family::Passage || !word.action.is_of_restriction() {
         return String::new();

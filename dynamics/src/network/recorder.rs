@@ -242,7 +242,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Columns under names of their own, which win over those of other channels.
+    /// Columns with names given by the assembly. These names take precedence over those of other channels.
     fn describe_columns(&mut self, plan: &Plan) -> Result<(), RunError> {
         for column in &plan.assembly.columns {
             let named = self.columns.iter().position(|own| own.name == column.channel);

@@ -57,7 +57,7 @@ pub struct FastenerResistance {
     law: ShankLaw,
     length: f64,
     head_stiffness: f64,
-    /// Whether the force along the shank is lost where the head meets the work (published form).
+    /// Whether the force along the shank vanishes when the head meets the work (published form).
     reversible: bool,
 }
 
@@ -93,8 +93,8 @@ impl FastenerResistance {
         self.parts_after(self.law.usual_impact(), depth, speed, friction_share)
     }
 
-    /// Same as [`parts`](Self::parts), after an impact of the driver at the speed `impact` \[m/s\], on which a fitted
-    /// law depends.
+    /// Same as [`parts`](Self::parts), after an impact of the driver at the speed `impact` \[m/s\]. A fitted law
+    /// depends on this speed.
     pub(crate) fn parts_after(&self, impact: f64, depth: f64, speed: f64, friction_share: f64) -> [f64; 3] {
         if let ShankLaw::Envelope(envelope) = &self.law {
             return envelope.parts(depth, speed, impact);

@@ -165,7 +165,7 @@ impl Signals {
             follower.last = t;
             follower.count += 1;
             let block = follower.block;
-            // Other followers of a trigger in a loop switch as often, but do not cause it.
+            // Other followers of a trigger in a loop switch as often, but do not cause the loop.
             let is_heard = || {
                 let mut words = plan
                     .assembly
@@ -229,7 +229,7 @@ impl Signals {
         mode.switches[switch] = u8::from(state);
         let described = &plan.assembly.triggers[trigger];
         if described.clear.is_empty() && described.schedule.iter().all(|(_, on)| *on) {
-            // It stays set; what would set it again must not end a step of the integration.
+            // The trigger remains set, so later changes that would set it again must not end a step of the integration.
             let first = self.over;
             let mut place = 0;
             self.schedule.retain(|(_, own, _)| {

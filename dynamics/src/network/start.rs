@@ -101,7 +101,7 @@ impl Plan {
         }
     }
 
-    /// Sets the initial positions of the bodies, parents first: the prescribed travel, or the position in which the
+    /// Sets the initial positions of the bodies, parents first: the prescribed travel, or the position where the
     /// contact closes without force.
     fn first_guess(&self, y: &mut [f64]) {
         let ground = self.ground();
@@ -143,7 +143,7 @@ impl Plan {
         }
     }
 
-    /// Closes the contacts that overlap and, if `seats`, those on which a body rests.
+    /// Closes the contacts that overlap and, if `seats`, those that a body rests on.
     fn close_contacts(&self, y: &[f64], mode: &mut Mode, w: &mut Workspace, seats: bool) {
         self.place(y, w);
         for (i, contact) in self.contacts.iter().enumerate() {
@@ -216,8 +216,8 @@ impl Plan {
         }
     }
 
-    /// Newton's method as in [`settle`](Self::settle), with contacts that `open` or hold both ways. The forces that
-    /// remain, if no equilibrium is found.
+    /// Newton's method as in [`settle`](Self::settle), with contacts that can `open` or else act in both directions.
+    /// Returns the forces that remain if no equilibrium is found.
     fn equilibrium(&self, y: &mut [f64], mode: &mut Mode, w: &mut Workspace, open: bool) -> Option<Remaining> {
         let carriers = self.carriers();
         let resting: Vec<usize> = (0..self.bodies.len())
@@ -310,8 +310,9 @@ impl Plan {
         })
     }
 
-    /// The load that presses a contact on which a body rests, negative if the contact would have to pull \[N\]: its
-    /// force in the equilibrium in which all such contacts hold both ways. None if there is no such equilibrium.
+    /// The load on a contact that a body rests on; negative if the contact would have to pull \[N\]. It is the force of
+    /// the contact in the equilibrium with all such contacts acting in both directions. None if no such equilibrium
+    /// exists.
     fn press(&self, contact: usize) -> Option<f64> {
         let mut w = Workspace::new(self);
         let Origin { mut y, mut mode, .. } = self.guess(&mut w);

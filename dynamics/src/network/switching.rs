@@ -1,4 +1,4 @@
-//! When the mode changes, and what it changes to.
+//! Conditions for changes of the mode, and the modes after the changes.
 //!
 //! Each slot monitors one condition of the current mode through a margin that is positive while the condition is true;
 //! the event occurs when the margin falls through zero.
@@ -275,7 +275,8 @@ impl Slot {
                     }
                     _ => {
                         mode.switches[fastener.depth] = depth::FREE;
-                        // The driver pushes a fastener that pushes back: no force between them without one of the work.
+                        // The driver only pushes the fastener, so the force between them is zero if that of the work is
+                        // zero.
                         if fastener.leaves_unloaded && mode.switches[fastener.head] == head::ATTACHED {
                             mode.switches[fastener.head] = head::LEFT;
                             return Some(word(Family::Fastener, *i, 0, Action::Left));

@@ -8,9 +8,9 @@ const UNWEIGHTED: f64 = 1e30;
 /// Absolute tolerances: every state has a characteristic size, and its error is limited to the relative tolerance times
 /// that size.
 ///
-/// Relative weights would not work: a contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is, and
-/// a gas energy of 1 kJ must not loosen that of 1 J. The characteristic size of a gas is that of its dead volume at the
-/// highest pressure of the assembly.
+/// Relative weights would not work. A contact of 5e8 N/m needs the position of the body to 1e-10 m at every travel. A
+/// gas energy of 1 kJ must not relax the tolerance of one of 1 J. The characteristic size of a gas is that of its dead
+/// volume at the highest pressure of the assembly.
 pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
     let a = &plan.assembly;
     let mut size = vec![UNWEIGHTED; plan.size()];

@@ -8,7 +8,7 @@ use super::plan::{ContactPlan, Pair, Plan};
 use super::rates::Workspace;
 
 impl Plan {
-    /// Compiles an assembly in which an external structure replaces a body.
+    /// Compiles an assembly with an external structure instead of a body.
     ///
     /// # Errors
     /// The errors of [`new`](Plan::new), and [`RunError::Workpiece`].

@@ -112,7 +112,7 @@ fn names_must_exist_and_be_unique() {
         ),
         (
             "[cycle.event.t0]\nat = \"exhaust choked\"",
-            &["which is no time", "replace it by becomes = \"exhaust choked\""],
+            &["which is not a time", "replace it by becomes = \"exhaust choked\""],
         ),
         (
             "[cycle.contact.bumper]\nat = \"piston.stroke - 5 mm\"",
@@ -134,25 +134,25 @@ fn names_must_exist_and_be_unique() {
         (
             "[cycle.event.t5]\nafter = \"nail struk\"",
             &[
-                "names \"nail struk\", which is no event",
+                "names \"nail struk\", which is not an event",
                 "add one to [cycle.event], as hit = { becomes = \"nail struck\" }",
             ],
         ),
         (
             "[cycle.event.t17]\nis = \"nail hits\"",
             &[
-                "is \"nail hits\", which is no condition",
+                "is \"nail hits\", which is not a condition",
                 "becomes = \"nail struck\" instead",
                 "the words of the block are nail struck, nail left, nail enters, nail seats",
             ],
         ),
         (
             "[cycle.event.t13]\nwhere = \"exhaust.seat opens\"",
-            &["which is no condition", "becomes = \"exhaust.seat opens\" instead"],
+            &["which is not a condition", "becomes = \"exhaust.seat opens\" instead"],
         ),
         (
             "[cycle.event.t13]\nwhere = \"above_piston empties\"",
-            &["which is no condition", "logs no words; give a condition"],
+            &["which is not a condition", "logs no words; give a condition"],
         ),
         (
             "[cycle.trigger.released]\nset = \"nail hits\"",
@@ -163,12 +163,15 @@ fn names_must_exist_and_be_unique() {
         ),
         (
             "[cycle.outcome]\nhit = \"no nail struck\"",
-            &["names \"nail struck\", which is no event", "add one to [cycle.event]"],
+            &[
+                "names \"nail struck\", which is not an event",
+                "add one to [cycle.event]",
+            ],
         ),
         (
             "[cycle.sensor.valve_lift]\nis = \"nail hits\"",
             &[
-                "is \"nail hits\", which is no expression",
+                "is \"nail hits\", which is not an expression",
                 "the channels of the block are nail.depth, nail.tip",
             ],
         ),
@@ -347,7 +350,7 @@ fn laws_of_the_network_are_checked() {
         (
             "[cycle.force.extra]\non = \"tool\"\njet = \"intake\"\nshare = 1",
             &[
-                "names \"intake\", which is no passage to the atmosphere",
+                "names \"intake\", which is not a known passage to the atmosphere",
                 "exhaust, leak, vent",
             ],
         ),

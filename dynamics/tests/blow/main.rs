@@ -4,6 +4,7 @@
 mod assemblies;
 #[path = "../common/mod.rs"]
 mod common;
+mod ensemble;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;
 #[path = "../common/random_assembly.rs"]

@@ -57,7 +57,7 @@ impl Mirror {
     }
 }
 
-/// Nodes sorted along a direction in which no two nodes of a regular mesh coincide.
+/// Nodes sorted along a direction. No two nodes of a regular mesh have the same coordinate along it.
 struct Places<'a> {
     mesh: &'a Mesh,
     /// The connected piece of each node; where two pieces touch, both have a node at the same position.

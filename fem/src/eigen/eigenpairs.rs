@@ -44,7 +44,7 @@ pub(crate) struct Eigenpairs {
     ceiling: f64,
 }
 
-/// Terms from which the residual of a mass-normalised mode is computed.
+/// Terms of the residual of a mass-normalised mode.
 struct Balance {
     lambda: f64,
     rigid: bool,
@@ -211,8 +211,8 @@ impl Eigenpairs {
     /// Phi <- Phi (I - U),   U_ij = E_ij for lambda_i < lambda_j,   U_ii = E_ii / 2,
     /// ```
     ///
-    /// leaves an error of E^2. Of two modes, the higher one is changed: a component of the lower mode increases the
-    /// higher one's residual by less than its own size, whereas the reverse would be weighted by lambda_j / lambda_i.
+    /// leaves an error of E^2. Of two modes, the higher one is changed. A component of the lower mode increases the
+    /// residual of the higher one by less than its size. The reverse would be weighted by lambda_j / lambda_i.
     fn orthogonalise(&mut self, pencil: Pencil<'_>) {
         let gram = transpose_product(self.phi.as_ref(), self.m_phi.as_ref());
         let lower = |i: usize, j: usize| (self.lambda[i], i) < (self.lambda[j], j);
@@ -239,10 +239,10 @@ impl Eigenpairs {
     /// Removes the components of other modes, including those above the edge, from X, whose columns approximate the
     /// modes `chosen`.
     ///
-    /// The component of mode j in mode i is phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i). Orthogonalisation alone
-    /// would not suffice: a component of a low mode in a high one, invisible in the latter's residual, would be
-    /// transferred to the low mode and be weighted there by lambda_j / lambda_i. Nearly degenerate modes, for which the
-    /// quotient is meaningless, are orthogonalised.
+    /// The component of mode j in mode i is phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i). Orthogonalisation is
+    /// not sufficient. A component of a low mode in a high one is invisible in the residual of the high mode.
+    /// Orthogonalisation would transfer it to the low mode, where it is weighted by lambda_j / lambda_i. Nearly
+    /// degenerate modes, for which the quotient is meaningless, are orthogonalised.
     fn purge(&self, pencil: Pencil<'_>, x: &mut Mat<f64>, chosen: &[usize]) {
         let k_x = product(pencil.stiffness, x.as_ref());
         let traces = |of: &Self| {

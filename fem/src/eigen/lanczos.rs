@@ -3,8 +3,9 @@
 //! With the shift sigma at the upper edge of the frequency range, theta = sigma / (lambda - sigma) is at most -1 for
 //! every lambda in \[0, sigma) and positive above. The modes sought are the negative end of the spectrum. Their number
 //! is the Sturm count of the factorisation that also serves the iteration. The basis remains M-orthonormal to rounding,
-//! so there are no ghosts. By Cauchy interlacing, at most as many Ritz values as eigenvalues are negative. If that many
-//! have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
+//! so ghost eigenvalues do not occur. By Cauchy interlacing, the number of negative Ritz values does not exceed that of
+//! negative eigenvalues. If that many have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal.
+//! Appl. 15, 228-272).
 
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};

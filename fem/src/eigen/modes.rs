@@ -37,16 +37,16 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// factorisation thus serves both the modes and the proof that none is missing. Each mode's residual is then computed
 /// from K and M. If the edge coincides with a mode, it is moved up by a few parts in ten thousand.
 ///
-/// A body with mirror planes is solved sector by sector (even or odd in each plane), which takes a fraction of the
-/// work. Residuals and orthonormality are those of the assembled modes on the full matrices.
+/// A body with mirror planes is solved sector by sector (even or odd in each plane). This takes a fraction of the work.
+/// Residuals and orthonormality are those of the assembled modes on the full matrices.
 ///
 /// # Errors
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]. [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] if the numerics fail; an incomplete basis is never returned.
 pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
     // Work is distributed to threads thousands of times, for less than a millisecond each. A thread outside the pool
-    // would sleep after each distribution, whereas a pool thread starts at once. While it waits it may do other work of
-    // the pool.
+    // would sleep after each distribution, whereas a pool thread starts at once. A waiting pool thread may do other
+    // work of the pool.
     let (basis, ()) = rayon::join(|| solve(system, settings, progress), || ());
     basis
 }
@@ -357,8 +357,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Solves small models, where the modes sought are half of all, by a dense method: with M = U D U^T and S = U D^-1/2,
-/// the modes are S times the eigenvectors of S^T K S.
+/// Uses a dense method for small models, where half of all modes are sought. With M = U D U^T and S = U D^-1/2, the
+/// modes are S times the eigenvectors of S^T K S.
 fn dense(stiffness: &CscMatrix<f64>, mass: &CscMatrix<f64>, count: usize) -> Result<Mat<f64>, FemError> {
     let n = mass.nrows();
     let identity: Mat<f64> = Mat::identity(n, n);

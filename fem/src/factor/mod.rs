@@ -75,7 +75,7 @@ impl Symbolic {
         self.supernodal.len_val()
     }
 
-    /// A factor of A for solves: L D L^T, or L U with pivoting if a pivot or the probe of the former fails.
+    /// A factor of A for solves: L D L^T, or L U with pivoting if a pivot or the probe of L D L^T fails.
     pub(crate) fn best(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         self.symmetric(a, shift, values).or_else(|_| self.pivoted(a, shift))
     }
@@ -184,8 +184,8 @@ impl Factor<'_> {
         self.symbolic
     }
 
-    /// The number of negative eigenvalues of A, which by Sylvester's law of inertia is that of the negative pivots;
-    /// none if pivoting has broken the symmetry.
+    /// The number of negative eigenvalues of A, which equals the number of negative pivots (Sylvester's law of
+    /// inertia); none if pivoting has broken the symmetry.
     pub(crate) fn negative_eigenvalues(&self) -> Option<usize> {
         match &self.kind {
             Kind::Symmetric { diagonal, .. } => Some(diagonal.iter().filter(|&&d| d < 0.0).count()),

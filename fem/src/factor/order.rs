@@ -66,7 +66,7 @@ fn elimination_tree(graph: &Graph, order: &[usize]) -> Vec<Option<usize>> {
     parent
 }
 
-/// A postorder of the forest in which the child with the largest subtree comes last, next to its parent.
+/// A postorder of the forest. The child with the largest subtree comes last, next to its parent.
 fn postorder(parent: &[Option<usize>]) -> Vec<usize> {
     let n = parent.len();
     let mut size = vec![1usize; n];

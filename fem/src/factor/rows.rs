@@ -1,5 +1,5 @@
-//! Blocks of vectors in which the values of one unknown are adjacent, as the kernels for solves and sparse products
-//! need them.
+//! Blocks of vectors. The values of one unknown are adjacent, as required by the kernels for solves and sparse
+//! products.
 
 use faer::{MatMut, MatRef};
 use pulp::Simd;

@@ -1,9 +1,9 @@
 //! Divides the work with a factor among threads.
 //!
-//! Columns in different subtrees of the elimination tree do not affect each other: a subtree changes only its own rows
-//! and some rows above it, which are all in the pattern of its root. [`Subtrees`] cuts the tree into subtrees and the
-//! remaining top. Subtrees are processed in parallel, each with a separate buffer, and their contributions to the rows
-//! of the top are summed in order. The division and every sum depend only on the pattern, so results are bitwise
+//! Columns in different subtrees of the elimination tree do not affect each other. A subtree changes only its own rows
+//! and some rows above it; the latter are all in the pattern of its root. [`Subtrees`] cuts the tree into subtrees and
+//! the remaining top. Subtrees are processed in parallel, each with a separate buffer, and their contributions to the
+//! rows of the top are summed in order. The division and every sum depend only on the pattern, so results are bitwise
 //! independent of the number of threads.
 
 use std::ops::Range;

@@ -18,14 +18,14 @@ pub struct Attachments {
 ///
 /// The displacement u(x_s) is the sum of N_a(x_s) u_a over the nodes of the element behind the nearest master face. The
 /// shape functions are those of the volume, extrapolated beyond the face if the surfaces do not quite meet. They
-/// reproduce every linear field, so rigid motion does not strain the interface, and no stiffness is needed; the slave's
-/// degrees of freedom are eliminated. The finer mesh should be the slave: deformation that the master cannot represent
-/// is suppressed otherwise.
+/// reproduce every linear field, so rigid motion does not strain the interface. The slave's degrees of freedom are
+/// eliminated, so no interface stiffness is needed. The finer mesh should be the slave; otherwise, deformation that the
+/// master cannot represent is suppressed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tie {
     /// Face group whose nodes are tied.
     pub slave: String,
-    /// Face group to which they are tied.
+    /// Face group that they are tied to.
     pub master: String,
     /// Largest distance between a slave node and the master's faces \[m\].
     pub tolerance: f64,

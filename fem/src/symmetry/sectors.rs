@@ -366,7 +366,7 @@ impl Columns {
     }
 
     /// The lower triangle of T^T A T. Every member of an orbit contributes the same as its representative r, so column
-    /// a is sum_i t_i A_ir / t_r, where t_r is the weight of r, whose square is the inverse of the orbit's length.
+    /// a is sum_i t_i A_ir / t_r, where t_r is the weight of r. The square of t_r is the inverse of the orbit's length.
     fn reduced(&self, unknowns: &[usize], rows: &[Option<(usize, f64)>]) -> Result<CscMatrix<f64>, FemError> {
         let n = unknowns.len();
         let (mut offsets, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());

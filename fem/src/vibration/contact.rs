@@ -12,11 +12,11 @@ use super::response::Work;
 ///
 /// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v, this is a linear complementarity problem. At the
 /// points with d_free > 0 it reads f >= 0, S f >= r, f^T (S f - r) = 0. The condition is d_free > 0 instead of d > 0 to
-/// make it solvable. At first contact the dashpot's force may be finite while d is still of order h, and then a law
-/// gated by d itself has no consistent state. The difference in d is C_d f = O(h^2).
+/// make it solvable. At first contact the dashpot's force may be finite while d is still of order h. A law gated by d
+/// itself then has no consistent state. The difference in d is C_d f = O(h^2).
 ///
-/// The active set A of touching points is found by block principal pivoting (all violating points change at once: the
-/// semismooth Newton method) with single pivots as a fallback, which terminates for every P-matrix (Judice & Pires,
+/// The active set A of touching points is found by block principal pivoting: all violating points change at once, as in
+/// the semismooth Newton method. The fallback is single pivots, which terminate for every P-matrix (Judice & Pires,
 /// 1994, Computers Ops. Res. 21). T, the principal pivot transform of S on A, consists of inv(S_AA) and S_(not A) A
 /// inv(S_AA). It is retained between steps, so a point that changes costs one rank-one update instead of a
 /// factorisation.

@@ -272,8 +272,8 @@ mod tests {
         for supported in [false, true] {
             for phase in [0.5, 1.0, 2.0, 3.1, 5.0, 40.0] {
                 let found = imbalance(phase, supported);
-                // The cubic alone would leave an imbalance of up to 0.01; the error of the mode on its spring, at omega
-                // h = 0.2, remains.
+                // Without the correction, the cubic would leave an imbalance of up to 0.01; the error of the mode on
+                // its spring, at omega h = 0.2, remains.
                 assert!(found < 1e-6, "omega h = {phase}, supported {supported}: {found:e}");
             }
         }

@@ -3,7 +3,7 @@
 //! [`respond`] takes one or two bodies as plain arrays (frequencies, damping ratios, participation of loads and
 //! supports), springs and dashpots between them or to the ground, and loads on the time grid of the cycle's record.
 //! Each mode responds exactly to forces that are linear over a step (Duhamel's integral in closed form), so only the
-//! contact limits the step:
+//! contact limits the step.
 //!
 //! * Supports act at points, each along one arbitrary direction, with separate dashpots. The dashpots of sand are never
 //!   folded into modal damping.

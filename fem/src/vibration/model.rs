@@ -178,7 +178,7 @@ pub struct Settings {
     pub step: f64,
     /// Longest time simulated \[s\].
     pub duration: f64,
-    /// Time \[s\] in which the loads approach their final values after the end of the record.
+    /// Time \[s\] that the loads take to approach their final values after the end of the record.
     pub taper: f64,
     /// Decrease of the energy below its maximum \[dB\] at which the run ends after the taper; infinite to continue to
     /// `duration`.

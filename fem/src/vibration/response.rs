@@ -86,7 +86,7 @@ pub struct ModalResponse {
     /// Work counters.
     pub work: Work,
     pub(super) bodies: Vec<ModalBody>,
-    /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] starts.
+    /// State at every [`MARK`]th sample, one per body; [`Self::at`] starts from these.
     pub(super) marks: Vec<Vec<ModalState>>,
     /// Motion added to that of the time integration by all methods; forces, states and energies exclude it.
     pub(super) added: Option<AddedMotion>,

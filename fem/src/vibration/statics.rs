@@ -344,7 +344,7 @@ fn range(matrix: &DMatrix<f64>) -> DMatrix<f64> {
         return DMatrix::zeros(matrix.nrows(), 0);
     }
     // Eigenvectors of A A^T, whose size is the small number of rigid modes. Rounding leaves eigenvalues of 1e-16;
-    // motions supported a million times more weakly than the others count as unsupported.
+    // motions with a support a million times weaker than that of the others count as unsupported.
     let eigen = (matrix * matrix.transpose()).symmetric_eigen();
     let limit = 1e-12 * eigen.eigenvalues.max();
     let kept: Vec<usize> = (0..matrix.nrows()).filter(|&k| eigen.eigenvalues[k] > limit).collect();

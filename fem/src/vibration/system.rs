@@ -44,7 +44,7 @@ pub(super) struct System {
 }
 
 /// Damping ratio used for the step h. A mode that the step cannot resolve (omega h >= pi; usually a residual vector) is
-/// at least critically damped, so that it responds with its static compliance without ringing at a false frequency.
+/// at least critically damped. It thus responds with its static compliance without ringing at a false frequency.
 pub(super) fn effective_zeta(omega: f64, zeta: f64, step: f64) -> f64 {
     if omega * step >= PI { zeta.max(1.0) } else { zeta }
 }
@@ -350,7 +350,7 @@ pub(super) fn validate(
     contact_rate(bodies, supports, settings)
 }
 
-/// Rejects supports on which the bodies vibrate too fast for the step. The largest eigenvalue of
+/// Rejects supports that make the bodies vibrate too fast for the step. The largest eigenvalue of
 ///
 ///   K^(1/2) P^T P K^(1/2),  P over the modes that the step can follow,
 ///

@@ -202,7 +202,7 @@ impl<'a> Run<'a> {
         let c = &self.contact;
         self.contact_ledger.add(&c.force, &c.penetration, &c.rate);
         self.load_ledger.work += of_loads;
-        // Work done by the supports on the bodies that they do not receive.
+        // Work that the supports do on the bodies but do not receive themselves.
         self.contact_ledger.work -= of_supports;
         self.after(n);
         self.work.steps += 1;
@@ -304,7 +304,7 @@ impl<'a> Run<'a> {
         );
     }
 
-    /// Stores the support forces of sample n, now and then its state, and records which supports touch.
+    /// Stores the support forces of sample n and, at every [`MARK`]th sample, the state. Records which supports touch.
     fn after(&mut self, n: usize) {
         if n.is_multiple_of(MARK) {
             self.marks.push([self.state.q.clone(), self.state.v.clone()]);

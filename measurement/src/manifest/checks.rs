@@ -21,7 +21,7 @@ const APART: f64 = 2.0 * OFF_SURFACE;
 /// Number of microphones in EN 12549.
 const MICROPHONES: usize = 9;
 
-/// Number of shots per configuration from which the uncertainty of a mean is useful.
+/// Minimum number of shots per configuration for a useful uncertainty of the mean.
 const REPEATS: usize = 5;
 
 /// The source that each configuration measures, indexed by its number minus one.

@@ -261,7 +261,7 @@ fn configurations(root: &Keys<'_, '_>, setup: Setup, channels: &[Channel]) -> Re
     Ok(found)
 }
 
-/// Events of the markers of a tool with other events than the N80CB.
+/// Events of the markers of a tool whose events differ from those of the N80CB.
 fn events(root: &Keys<'_, '_>) -> Result<MarkerEvents, KeyError> {
     let Some(table) = root.table("markers", "[markers]")? else {
         return Ok(MarkerEvents::default());

@@ -180,7 +180,7 @@ impl BitAlignment {
         }
     }
 
-    /// Rejects samples that use the bits declared unused and leave the highest ones empty: the program that wrote them
+    /// Rejects samples that use the bits declared unused and leave the highest ones empty. The program that wrote them
     /// put the valid bits at the wrong end, and they would be read with too low a level.
     pub(super) fn check(self, format: &Format) -> Result<(), Fault> {
         match format.unused() {

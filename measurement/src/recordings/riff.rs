@@ -1,9 +1,9 @@
 //! The chunks of RIFF files, and of RF64 and BW64 files, whose length may exceed 4 GiB (EBU Tech 3306, ITU-R BS.2088).
 //!
-//! Own code, because hound rejects files that recorders write (chunks of odd length, `fmt ` chunks of 18 and 40 bytes
-//! with other contents than its own, RF64) and reads 24 bits in 32-bit containers from the wrong end. The licence of
-//! symphonia, MPL-2.0, is not allowed by `deny.toml`. This reader is as lenient as libsndfile: it accepts chunks in any
-//! order and a missing pad byte, and ignores the file length in the header.
+//! This reader is needed because hound rejects files that recorders write: chunks of odd length, `fmt ` chunks of 18
+//! and 40 bytes whose contents differ from hound's own, and RF64. It also reads 24 bits in 32-bit containers from the
+//! wrong end. The licence of symphonia, MPL-2.0, is not allowed by `deny.toml`. This reader is as lenient as
+//! libsndfile: it accepts chunks in any order and a missing pad byte, and ignores the file length in the header.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -67,7 +67,7 @@ fn long_length(ds64: &[u8], name: [u8; 4]) -> Option<u64> {
         .and_then(|entry| long(entry, 4))
 }
 
-/// A file of chunks, of which only the requested parts are read.
+/// A file of chunks; only the requested parts are read.
 #[derive(Debug)]
 pub(super) struct Riff<R> {
     reader: R,

@@ -237,7 +237,7 @@ mod tests {
         }
     }
 
-    /// 16 bytes of format, data behind 44 bytes: as every reader of WAV files knows it.
+    /// A format chunk of 16 bytes, and data after 44 bytes: the form that every reader of WAV files supports.
     #[test]
     fn the_header_is_the_plain_one() {
         for (coding, tag, bytes) in [(Coding::Integer24, 1, 3), (Coding::Float32, 3, 4)] {
@@ -275,7 +275,7 @@ mod tests {
         assert!(allocate_records(usize::MAX, 1, open).is_err());
     }
 
-    /// A file of so many bytes that begins with a header and ends with a tail; all between is zero.
+    /// A file of this many bytes that begins with a header and ends with a tail; all bytes between them are zero.
     struct Sparse {
         head: Vec<u8>,
         tail: Vec<u8>,
@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// RF64: 1 100 000 frames of 2048 channels of 16 bits, 4.5 GB, of which one channel takes 9 MB.
+    /// RF64: 1 100 000 frames of 2048 channels of 16 bits, 4.5 GB in total; one channel takes 9 MB.
     #[test]
     fn a_recording_beyond_four_gigabytes_is_read() {
         const CHANNELS: u16 = 2048;

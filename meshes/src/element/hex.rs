@@ -1,7 +1,8 @@
 //! Hexahedra on \[-1, 1\]^3 with 8, 20 and 27 nodes.
 //!
-//! Corners of the lower face counter-clockwise, those of the upper face. Then the mid-sides of the lower face, of the
-//! upper face and of the vertical edges, then the centres of the faces -x, +x, -y, +y, -z, +z and of the body.
+//! The nodes are the corners of the lower face counter-clockwise and those of the upper face. Then come the mid-sides
+//! of the lower face, of the upper face and of the vertical edges, then the centres of the faces -x, +x, -y, +y, -z, +z
+//! and of the body.
 
 /// Natural coordinates of the nodes: the first 8, 20 or all of them.
 pub(super) const NODES: [[f64; 3]; 27] = [

@@ -48,12 +48,12 @@ impl ElementKind {
 
 impl FaceKind {
     /// Points and weights that integrate polynomials of degree 2n - 1 exactly. Quadrilaterals have n x n Gauss points,
-    /// exact to that degree in each direction. On triangles 1 point for n = 1, 6 for n = 2 (degree 4) and 7 for n = 3
+    /// exact to that degree in each direction. Triangles have 1 point for n = 1, 6 for n = 2 (degree 4) and 7 for n = 3
     /// (degree 5, both Dunavant 1985). For larger n, triangles use the product rule of n x (n + 1) Gauss points on the
     /// collapsed square. All weights are positive and sum to the area of the natural domain.
     ///
     /// # Errors
-    /// [`MeshError::GaussPoints`] unless 1 <= n <= 9, on quadrilaterals 10.
+    /// [`MeshError::GaussPoints`] unless 1 <= n <= 9 (10 on quadrilaterals).
     pub fn rule(self, n: usize) -> Result<Vec<([f64; 2], f64)>, MeshError> {
         if n == 0 {
             return Err(MeshError::GaussPoints { points: n });

@@ -1,6 +1,7 @@
 //! Tetrahedra on r, s, t >= 0, r + s + t <= 1 with 4 and 10 nodes.
 //!
-//! Corners at the origin and at the ends of r, s, t, then the mid-sides of the edges 01, 12, 20, 03, 13, 23.
+//! The nodes are the corners at the origin and at the ends of r, s, t, then the mid-sides of the edges 01, 12, 20, 03,
+//! 13, 23.
 
 /// Natural coordinates of the nodes: the first 4 or all of them.
 pub(super) const NODES: [[f64; 3]; 10] = [

@@ -1,8 +1,8 @@
 //! The 15-node wedge: a triangle r, s >= 0, r + s <= 1 times \[-1, 1\] in t.
 //!
-//! Corners of the lower triangle, those of the upper one, mid-sides of the lower triangle 01, 12, 20, of the upper one
-//! 34, 45, 53, and of the edges between them 03, 14, 25. The normal of the corners 0, 1, 2 points to 3, 4, 5, as in
-//! gmsh and in the parametric coordinates of VTK's quadratic wedge.
+//! The nodes are the corners of the lower triangle and those of the upper one. Then come the mid-sides of the lower
+//! triangle 01, 12, 20, of the upper one 34, 45, 53, and of the edges between them 03, 14, 25. The normal of the
+//! corners 0, 1, 2 points to 3, 4, 5, as in gmsh and in the parametric coordinates of VTK's quadratic wedge.
 
 /// Natural coordinates of the nodes.
 pub(super) const NODES: [[f64; 3]; 15] = [

@@ -23,7 +23,7 @@ pub(super) fn parametric_nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result
     })
 }
 
-/// Reads the number and coordinates of every node, and skips what follows them.
+/// Reads the number and coordinates of every node, and calls `pass` to skip any values after them.
 fn each_node(
     cursor: &mut Cursor<'_>,
     raw: &mut Raw,

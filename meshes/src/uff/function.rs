@@ -34,7 +34,7 @@ const HEADER: &str = "data type, number of values, spacing, first abscissa, incr
 /// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision). Each function has
 /// its own result, because test systems write time histories, spectra and frequency responses of a run into one file,
 /// and an unreadable one must not affect the others. If the file ends within a dataset of another kind, the last result
-/// says so.
+/// is this error.
 ///
 /// # Errors
 /// [`UffError::Truncated`]; [`UffError::Line`] for an unreadable line; [`UffError::NotFinite`]; [`UffError::Form`] for

@@ -73,7 +73,7 @@ impl Array {
         &self.bytes
     }
 
-    /// Refuses another number of values than that of these items.
+    /// Returns an error unless the number of values matches these items.
     ///
     /// # Errors
     /// [`MeshError::FieldLength`].

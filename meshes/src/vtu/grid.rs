@@ -10,9 +10,9 @@ use vtkio::xml::Compressor;
 use super::Field;
 use crate::{Mesh, MeshError, Surface};
 
-/// A fast level of zlib; the best one takes ten times as long and reduces the size of a surface by 1 %. Level 1 makes a
-/// surface half as large again with zlib-rs, which codes it with fixed tables. The features of another crate may select
-/// zlib-rs for flate2.
+/// A fast level of zlib; the best one takes ten times as long and reduces the size of a surface by 1 %. With zlib-rs,
+/// level 1 makes a surface half as large again, because zlib-rs codes it with fixed tables. The features of another
+/// crate may select zlib-rs for flate2.
 const LEVEL: u32 = 2;
 
 /// A grid to be written with fields.

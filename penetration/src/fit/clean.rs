@@ -1,9 +1,9 @@
 //! Converts a recorded drive to points: zero offset, start, binning, speed.
 //!
-//! The source publishes only the fit through repeats (Nili Ahmadabadi 2016, ch. 2), but no sampling rate, filter or
-//! definition of the start; the steps here are our own. At high speed the cell measures less force than acts on the
-//! wood, because it accelerates with the projectile: F_r = F_cell M_1/(M - m_f) with M_1 = M + M_n, where m_f is the
-//! mass ahead of the cell.
+//! The source publishes only the fit through repeats (Nili Ahmadabadi 2016, ch. 2). It gives no sampling rate, filter
+//! or definition of the start, so the steps here are our own. At high speed the cell measures less force than acts on
+//! the wood, because it accelerates with the projectile: F_r = F_cell M_1/(M - m_f) with M_1 = M + M_n, where m_f is
+//! the mass ahead of the cell.
 
 use thiserror::Error;
 
@@ -180,7 +180,7 @@ pub enum CleanError {
         /// The mean step \[s\].
         expected: f64,
     },
-    /// There are no times, but the speed must be derived from them.
+    /// The times are missing, but the speed must be derived from them.
     #[error("a drive by a projectile needs the column time_s")]
     NoTime,
     /// The depth decreases before the deepest point.
@@ -508,7 +508,7 @@ struct Impact<'a> {
 }
 
 impl Impact<'_> {
-    /// Samples with the force on the wood and the speed, excluding the time in which waves travel through the nail.
+    /// Samples with the force on the wood and the speed, excluding the first wave transits through the nail.
     fn samples(
         &self,
         trace: &Trace,

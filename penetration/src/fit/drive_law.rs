@@ -19,13 +19,13 @@ pub struct LawOfDrive {
     terms: Vec<Monomial>,
     length: f64,
     scale: f64,
-    /// Range of v/v0 in the data, to which the speed is limited; none for a law without speed.
+    /// Range of v/v0 in the data. The speed is limited to it; none for a law without speed.
     decay: Option<[f64; 2]>,
     /// Impact speed at the middle of the data \[m/s\].
     usual_impact: f64,
     /// Range of valid impact speeds \[m/s\].
     impacts: [f64; 2],
-    /// Dependence on speed that the tests had and the quasi-static law does not contain.
+    /// Dependence on speed in the tests that the quasi-static law excludes.
     rate: Option<Box<FittedRate>>,
 }
 
@@ -113,7 +113,7 @@ impl LawOfDrive {
         }
     }
 
-    /// Dependence on speed that multiplies the law, if the fit has divided the tests by it.
+    /// Dependence on speed that multiplies the law; none unless the fit divided the forces of the tests by it.
     pub fn rate(&self) -> Option<&FittedRate> {
         self.rate.as_deref()
     }
@@ -129,8 +129,8 @@ impl LawOfDrive {
     }
 
     /// The force at `depth` \[m\] and `speed` \[m/s\] after an impact at `impact` \[m/s\]. The ratio v/v0 is limited to
-    /// the range of the data, because the gas behind the piston keeps pushing, which the similarity law of Eq. 3.1 does
-    /// not include.
+    /// the range of the data, because the gas behind the piston continues to push. The similarity law of Eq. 3.1 does
+    /// not include this.
     #[inline]
     pub fn evaluate(&self, depth: f64, speed: f64, impact: f64) -> Resisting {
         let x = depth / self.length;

@@ -23,7 +23,7 @@ pub enum FitError {
         /// The requirement.
         rule: &'static str,
     },
-    /// A term depends on a variable that the drives do not have.
+    /// A term depends on a variable that some drives do not have.
     #[error(
         "the term {term} needs the mass and speed of a projectile, and drive \"{drive}\" was made at constant speed"
     )]
@@ -63,10 +63,10 @@ pub enum FitError {
     NotIdentifiable {
         /// The term.
         term: String,
-        /// The terms of which it is a combination in these data; none if it is zero everywhere.
+        /// The terms whose combination equals it in these data; none if it is zero everywhere.
         partners: Vec<String>,
     },
-    /// A term of the form depends on the speed, which the law of the speed already does.
+    /// A term of the form depends on the speed, as the law of the speed already does.
     #[error("the term {term} depends on the speed, and so does the law of the speed")]
     TermOfSpeed {
         /// The term.
@@ -88,7 +88,7 @@ pub enum FitError {
         /// Number of steps.
         steps: usize,
     },
-    /// The fit has numbers that are not valid in a law.
+    /// The fit contains numbers that are not valid in a law.
     #[error("the fit gives no law: {0}")]
     NoLaw(LawError),
     /// A matrix decomposition did not converge.

@@ -210,8 +210,8 @@ pub struct Reduction {
 /// Largest acceptable increase in SEE from dropping a term \[%\].
 pub const DROP_BELOW: f64 = 5.0;
 
-/// Drops terms from the end of a form one by one, refits, and chooses the shortest form reached before a dropped term
-/// raised SEE by more than [`DROP_BELOW`]. Each form is fitted with `method`, or with the method it needs. The
+/// Drops terms from the end of a form one by one and refits. It chooses the shortest form before a dropped term
+/// increases SEE by more than [`DROP_BELOW`]. Each form is fitted with `method`, or with the method it needs. The
 /// published choice for plywood, made by judgement, is "reduced 5" (Table 2-8).
 ///
 /// # Errors
@@ -249,7 +249,7 @@ pub fn reduce(form: &Form, drives: &[Drive], method: Option<Method>) -> Result<(
     Ok((chosen, steps))
 }
 
-/// What cross-validation leaves out.
+/// Drives that one fold of a cross-validation leaves out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Leave {
@@ -287,7 +287,7 @@ impl Leave {
 /// Prediction errors on data not used in the fit.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
-    /// What was left out.
+    /// Drives left out of each fit.
     pub left_out: Leave,
     /// Root mean square error of s.
     pub root_mean_square: f64,

@@ -157,7 +157,7 @@ impl fmt::Display for Term {
 pub struct FormError {
     /// The form.
     pub text: String,
-    /// What is wrong.
+    /// Description of the problem.
     pub problem: String,
 }
 

@@ -239,8 +239,8 @@ impl FittedLaw {
     }
 
     /// Work over the nail's length at constant speed and its standard error \[J\]: W = H_M NL^2 C^T G C with G_jk = int
-    /// m_j m_k dx, var W = h^T V h, h = 2 H_M NL^2 G C. None for a law with `decay`, whose work depends on the drive,
-    /// and where s becomes negative, so that the force is cut off.
+    /// m_j m_k dx, var W = h^T V h, h = 2 H_M NL^2 G C. None for a law with `decay`, because its work depends on the
+    /// drive. Also none if s becomes negative, because the force is then cut off.
     pub fn work(&self, conditions: &Conditions, speed: f64) -> Option<[f64; 2]> {
         let length = conditions.specimen.length;
         if self.form.uses(Variable::Decay)

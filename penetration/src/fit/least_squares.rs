@@ -7,7 +7,7 @@ use super::error::FitError;
 /// Relative pivot size below which a column counts as a combination of others.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Smallest contribution of a column for it to be named as a partner of a dependent column.
+/// Smallest contribution of a column that counts as a partner of a dependent column.
 const PARTNER: f64 = 1e-6;
 
 /// Solves min |X c - s| for X of full rank without normal equations (Golub and Van Loan, Matrix Computations, 2013,

@@ -5,11 +5,11 @@
 //! F(z) = [F(z, v) - phi F_L x (q - c)]/c  where that is above phi F_L x, else F(z, v)/q
 //! ```
 //!
-//! c and q are the factors of [`SpeedTerms`], and F_L is the quasi-static force at full depth. It follows from the fit
-//! and enters it, so both are repeated until F_L does not change. beta and v_m minimise the squares of the residuals
-//! of s at the speed of the tests (Gauss-Newton on the residuals of the fit at given beta and v_m, variable projection
-//! of G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). Their errors allow for deviations common to a
-//! drive.
+//! c and q are the factors of [`SpeedTerms`], and F_L is the quasi-static force at full depth. F_L follows from the fit
+//! and also enters it, so both are repeated until F_L does not change. beta and v_m minimise the squares of the
+//! residuals of s at the speed of the tests. The method is Gauss-Newton on the residuals of the fit at given beta and
+//! v_m (variable projection of G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). Their errors allow for
+//! deviations common to a drive.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -22,8 +22,8 @@ use super::regression::{Method, Regression};
 use crate::REFERENCE_SPEED;
 use crate::speed_terms::SpeedTerms;
 
-/// Relative change of F_L at which the repetition ends, and the most repetitions. Each one leaves about phi |q - c|/c
-/// of the change, at most 0.4 with the published values.
+/// Relative change of F_L at which the repetition ends, and the largest number of repetitions. Each one leaves about
+/// phi |q - c|/c of the change, which is 0.4 or less with the published values.
 const CLOSE: f64 = 1e-11;
 const REPETITIONS: usize = 200;
 
@@ -35,7 +35,7 @@ const STILL: f64 = 1e-7;
 const SPREAD: f64 = 10.0;
 
 /// Largest ratio of the upper end of the 95 % interval of v_m to the estimate: beyond it the drives do not determine
-/// v_m. Chosen: the range of `wood.friction_speed` in the base design, 0.3 to 3 m/s.
+/// v_m. The value is a choice: the range of `wood.friction_speed` in the base design, 0.3 to 3 m/s.
 const UNKNOWN: f64 = 10.0;
 
 /// Bounds of beta, and of v_m \[m/s\].
@@ -47,7 +47,7 @@ const WIDTH: [f64; 2] = [1e-3, 1e3];
 pub struct RateChoice {
     /// phi, share of friction in the quasi-static force at full depth.
     pub friction_share: f64,
-    /// Its coefficients; beta and v_m are the start of an estimation.
+    /// Its coefficients; beta and v_m are the initial values of an estimation.
     pub speed: SpeedTerms,
     /// Whether beta and v_m are estimated.
     pub estimate: bool,
@@ -199,7 +199,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The quasi-static drives for a law of the speed, and measured less computed s at the speed of the tests.
+    /// The quasi-static drives for a law of the speed, and measured minus computed s at the speed of the tests.
     fn solve(&self, speed: &SpeedTerms) -> (Vec<Drive>, DVector<f64>) {
         let mut drives = self.drives.clone();
         let start = |drive: &Drive| drive.points.iter().map(|p| p.root * p.root).fold(0.0, f64::max);
@@ -250,7 +250,7 @@ impl<'a> Problem<'a> {
         self.solve(&self.terms(at)).1
     }
 
-    /// Derivatives of the residuals by beta and ln v_m.
+    /// Derivatives of the residuals with respect to beta and ln v_m.
     fn slopes(&self, at: &Vector2<f64>) -> DMatrix<f64> {
         const STEP: f64 = 1e-4;
         let of = |place: usize| {
@@ -332,7 +332,7 @@ fn roots(drives: &[Drive]) -> DVector<f64> {
     DVector::from_vec(all.collect())
 }
 
-/// The quasi-static square of s from that at a speed with these factors of deformation and friction.
+/// The square of the quasi-static s, from the square of s at a speed with these factors of deformation and friction.
 fn divided(square: f64, friction: f64, [crushing, sliding]: [f64; 2]) -> f64 {
     let force = (square - friction * (sliding - crushing)) / crushing;
     if force > friction {

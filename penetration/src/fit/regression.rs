@@ -111,8 +111,8 @@ impl Regression {
         let constant_speed = drives.iter().all(|drive| drive.conditions.driving.is_constant());
         let varying: Vec<bool> = terms.iter().map(|term| term.varies(constant_speed)).collect();
         let constants = varying.iter().filter(|varies| !**varies).count();
-        // The terms constant within a drive are fitted to the means of the drives, whatever the method. A polynomial
-        // alone can be fitted to one drive.
+        // The terms constant within a drive are fitted to the means of the drives with every method. A form that is
+        // only a polynomial can be fitted to one drive.
         if constants > 1 && drives.len() <= constants {
             return Err(FitError::TooFewDrives {
                 drives: drives.len(),

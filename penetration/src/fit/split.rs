@@ -1,6 +1,6 @@
 //! Splits the resistance into friction and deformation-fracture parts.
 //!
-//! A second drive of the nail into its own hole measures only friction; the difference to the first drive is the
+//! A second drive of the nail into its own hole measures only friction. The difference from the first drive is the
 //! deformation-fracture part (Nili Ahmadabadi 2016, sec. 2.4.3). Helical nails rotate, so their second drive does not
 //! follow the thread of the first. The functions fitted are our own: friction f x, deformation D min(1, x/x_k).
 

@@ -1,4 +1,4 @@
-//! Claims tell processes that share a folder which of them computes an entry, so that no entry is computed twice at the
+//! Claims show processes that share a folder which of them computes an entry, so that no entry is computed twice at the
 //! same time.
 //!
 //! A claim is a file next to the entry. It is created only if none exists (O_EXCL, which network file systems honour as

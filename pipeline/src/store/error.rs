@@ -33,7 +33,7 @@ pub enum StoreError {
         obstacle: Obstacle,
     },
     /// The size limit is not a number.
-    #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is no size in GiB")]
+    #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is not a size in GiB")]
     #[diagnostic(help("give a number above zero, for instance 4 or 0.5"))]
     Limit {
         /// Its text.

@@ -21,28 +21,28 @@ fn the_n80cb_as_an_assembly_is_measured_as_its_keys_are() {
     let (keys, own) = (design(""), design("[cycle]\nassembly = \"n80cb\""));
     let assembly = assembly_of(&own).unwrap().unwrap();
     let end = keys.analysis.cycle_end;
-    let shots = [&keys, &own].map(|design| Shot::of(design, end).unwrap());
+    let shots = [&keys, &own].map(|design| Shot::of(design, end, false).unwrap());
     let interval = |from: &str, to: &str| AssemblyQuantity::Interval {
         from: from.to_owned(),
         to: to.to_owned(),
     };
     let at_impact = |volume: &str| AssemblyQuantity::Pressure {
         volume: volume.to_owned(),
-        at: AssemblyMoment::Event("t9".to_owned()),
+        at: AssemblyMoment::event("t9"),
     };
     let pairs = [
         (Quantity::Interval { from: 6, to: 9 }, interval("t6", "t9")),
         (Quantity::Interval { from: 0, to: 6 }, interval(START, "t6")),
         (Quantity::SpeedBeforeImpact, figure(&assembly, "speed_before_nail")),
         (
-            Quantity::PistonTravel(Moment::Time(8e-3)),
+            Quantity::PistonTravel(Moment::time(8e-3)),
             AssemblyQuantity::Travel {
                 body: "piston".to_owned(),
-                at: AssemblyMoment::Time(8e-3),
+                at: AssemblyMoment::time(8e-3),
             },
         ),
         (
-            Quantity::Pressure(Chamber::AbovePiston, Moment::Event(9)),
+            Quantity::Pressure(Chamber::AbovePiston, Moment::event(9)),
             at_impact("above_piston"),
         ),
         (
@@ -74,14 +74,14 @@ impl AssemblyQuantity {
     }
 }
 
-/// Air through the openings, and a bound where the chambers have not settled at the end of the record: before the
-/// exhaust, and during it.
+/// Air through the openings, and a bound if the chambers have not settled at the end of the record: before the exhaust,
+/// and during it.
 #[test]
 fn air_of_a_shot_that_is_not_over_is_a_bound() {
     let air = |text: &str| {
         let own = design(&format!("[cycle]\nassembly = \"n80cb\"\n{text}"));
         let assembly = assembly_of(&own).unwrap().unwrap();
-        let shot = Shot::of(&own, own.analysis.cycle_end).unwrap();
+        let shot = Shot::of(&own, own.analysis.cycle_end, false).unwrap();
         Quantity::OfAssembly(air_per_shot(&assembly).unwrap()).predict(&shot, &own.ambient, 0.0)
     };
     let Prediction::Value(whole) = air("finish = false\nend = \"300 ms\"") else {

@@ -170,7 +170,7 @@ fn every_fault_has_its_place_and_remedy() {
         (format!("m = {{ {depth}, eror = \"1 mm\" }}"), &["is it `error`?"]),
         (
             "m = { condition = \"b\", quantity = \"head_depth\", value = \"2 mm\" }".to_owned(),
-            &["is no condition", "choose from a"],
+            &["is not a known condition", "choose from a"],
         ),
         (
             "m = { condition = \"a\", quantity = \"head_dept\", value = \"2 mm\" }".to_owned(),
@@ -226,7 +226,7 @@ fn every_fault_has_its_place_and_remedy() {
             &[
                 "line 8",
                 "`measured.m.band` is 900 Hz",
-                "no one-third octave within 50 to 10000 Hz",
+                "not a one-third octave within 50 to 10000 Hz",
                 "choose from 63, 80,",
                 "800, 1000,",
                 "6300, 8000 Hz",
@@ -273,7 +273,12 @@ fn every_fault_has_its_place_and_remedy() {
             "m = { condition = \"a\", quantity = \"level\", of = \"microphone-10\", value = \"100 dB\", \
              error = \"1 dB\" }"
                 .to_owned(),
-            &["line 8", "`measured.m.of`", "no position of a level", "microphone-9"],
+            &[
+                "line 8",
+                "`measured.m.of`",
+                "not a known position of a level",
+                "microphone-9",
+            ],
         ),
         (
             "m = { condition = \"a\", quantity = \"level\", value = \"9 g\", error = \"1 dB\" }".to_owned(),
@@ -336,7 +341,7 @@ fn faults_outside_the_measurements_are_named_too() {
         (
             "[instrument]",
             "correlation = [{ ids = [\"m\", \"n\"], r = 0.3 }]\n[instrument]",
-            "is no measurement",
+            "is not a known measurement",
         ),
         (
             "[instrument]",
@@ -463,7 +468,7 @@ fn levels_of_a_wrapping_test_have_its_expanded_uncertainty() {
 
 #[test]
 fn bands_of_a_wrapping_test_are_read_by_name() {
-    // Bands do not need the range of the test, only themselves within both.
+    // The range of the test need not match; the bands only have to be within both ranges.
     let keys = ", source = \"exhaust\", band = [\"500 Hz\", \"1 kHz\"]";
     let found = of_test("bands", &test_result(2_000.0), keys).unwrap().levels;
     let readings: Vec<(&str, Reading)> = found.iter().map(|own| (own.name.as_str(), own.reading)).collect();
@@ -521,7 +526,7 @@ fn a_test_that_the_design_does_not_predict_is_refused() {
     )
     .unwrap_err();
     assert!(
-        twice.contains("`measured.t-body`") && twice.contains("name of a level in a file"),
+        twice.contains("`measured.t-body`") && twice.contains("name of a reading from a file"),
         "{twice}"
     );
 }

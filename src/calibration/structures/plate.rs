@@ -13,11 +13,11 @@
 //! of thick rectangular plates", Computers and Structures 49, 1 (1993)). Normalised polynomials are orthonormal, and
 //! the derivative of one is a sum of lower ones, so that all integrals are exact products of derivative matrices.
 //! Symmetry about both centre lines separates four classes. The rotations are eliminated statically. This is exact for
-//! the stiffness. Their inertia shifts a mode by about (k h)^2/24, 0.1 % at most here.
+//! the stiffness. Their inertia shifts a mode by about (k h)^2/24, here by at most 0.1 %.
 //!
 //! Air moves along with the plate. An infinite plate with bending waves of wavenumber k, slower than sound, carries the
 //! mass 2 rho_0/k per area (Cremer, Heckl and Petersson, "Structure-borne sound", 2005, chapter 6). A free plate
-//! carries less, since the pressure equalises around its edges; `air_share` is its share.
+//! carries less, because the pressure equalises around its edges; `air_share` is the fraction.
 
 use std::f64::consts::TAU;
 

@@ -15,10 +15,10 @@ use super::tap_test::{INPUTS, LENGTH, MASS, THICKNESS, TapTest, UNSEEN, WIDTH};
 /// Name and version of the layout.
 pub(super) const SCHEMA: &str = "nailnoise-structures-calibrated/1";
 
-/// Smallest share of the draws that have a mode below the highest frequency, for it to be listed.
+/// A mode is listed if at least this share of the draws has it below the highest frequency.
 const PRESENT: f64 = 0.5;
 
-/// Most nodal lines across and along the grain to which the polynomials resolve a mode.
+/// Maximum number of nodal lines, across and along the grain, of a mode that the polynomials resolve.
 pub(super) const RESOLVED: [usize; 2] = [8, 5];
 
 /// Apart from the seeds of the sampler.
@@ -119,7 +119,7 @@ pub struct PeakRow {
     pub now: [f64; 3],
     /// Reading minus mean prediction, in combined standard deviations.
     pub left_over: f64,
-    /// Predictive probability given the other readings; of a reading that was left out, when it was.
+    /// Predictive probability given the other readings. For a reading that was left out, it is the value at that time.
     pub probability: f64,
     /// The reading that it contradicts; null if it contradicts the others together, or none.
     pub partner: Option<String>,

@@ -19,7 +19,7 @@ pub(super) const UNSEEN: &str = "modes without a peak";
 /// Standard error of that number \[E\].
 const ERROR_OF_UNSEEN: f64 = 2.0;
 
-/// Modes above the number of peaks to which peaks may be assigned.
+/// Number of modes that may be considered in addition to the number of peaks.
 const MOST_UNSEEN: usize = 12;
 
 /// Distribution of an input.
@@ -130,7 +130,7 @@ impl TapTest {
             let residual = (self.peaks[peak] - mode.hz) / self.scale(peak);
             ErrorLaw::Student.log_density(residual)
         };
-        // best[j]: of the peaks so far, the last of which has mode j.
+        // best[j]: highest log-likelihood of the peaks so far if the last one has mode j.
         let mut best: Vec<f64> = Vec::new();
         let mut before: Vec<Vec<usize>> = Vec::new();
         for (place, &peak) in counting.iter().enumerate() {

@@ -128,7 +128,7 @@ impl Default for Names {
 impl Names {
     /// Expands the names in a file's settings; the resulting settings precede the file's other settings.
     ///
-    /// Wood and shank set their common keys only if one of them changes, so a law from the user's tests is kept for
+    /// Wood and shank set their common keys only if one of them changes, so a law from the user's tests remains for
     /// another nail with the same shank.
     ///
     /// # Errors

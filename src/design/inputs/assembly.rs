@@ -81,7 +81,7 @@ impl AssembledTool {
         }))
     }
 
-    /// Checks that the cycle can start: its bodies have a place of rest, and its springs and volumes are within their
+    /// Checks that the cycle can start: its bodies have a rest position, and its springs and volumes are within their
     /// limits there.
     ///
     /// # Errors
@@ -198,8 +198,8 @@ pub(crate) fn fastener_length(design: &Design) -> Option<f64> {
         .map(|own| own.length)
 }
 
-/// Whether a design's tool has a body of this name. That of the keys has housing and workpiece, and so has a tool whose
-/// assembly has an error, which a run reports.
+/// Whether a design's tool has a body of this name. The tool of the keys has a housing and a workpiece. So does a tool
+/// whose assembly has an error; a run reports that error.
 fn design_has(design: &Design, name: &str) -> bool {
     match cycle(design) {
         Ok(Some(cycle)) => body(&cycle.assembly, name).is_some(),
@@ -275,7 +275,7 @@ pub(crate) fn body(assembly: &Assembly, name: &str) -> Option<usize> {
     assembly.bodies.iter().position(|body| body.name == name)
 }
 
-/// Whether a tool has a body. That of the keys has housing and workpiece.
+/// Whether a tool has a body. The tool of the keys has a housing and a workpiece.
 pub(crate) fn has_body(engine: &Engine, name: &str) -> bool {
     match engine {
         Engine::Keys(_) => true,

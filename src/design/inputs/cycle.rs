@@ -61,8 +61,8 @@ const UNUSED_MODULUS: f64 = 2e11;
 const UNUSED_SPEED: f64 = 1000.0;
 const UNUSED_WIDTH: f64 = 4e-3;
 
-/// The piston without the values that only an elastic blow uses, if the blow is rigid. What a cycle does not use is not
-/// part of its key, so that no study draws it.
+/// The piston without the values that only an elastic blow uses, if the blow is rigid. Values that a cycle does not use
+/// are not part of its key, so that no study draws them.
 fn piston(design: &Design) -> dynamics::Piston {
     let mut piston = design.piston.clone();
     if design.model.blow == BlowModel::Rigid {
@@ -72,7 +72,7 @@ fn piston(design: &Design) -> dynamics::Piston {
     piston
 }
 
-/// The wood without the values of laws that the design does not use, as [`piston`].
+/// The wood without the values of laws that the design does not use, like [`piston`].
 fn wood(design: &Design) -> NailedWood {
     let mut wood = design.wood.cycle.clone();
     if design.model.blow == BlowModel::Rigid {

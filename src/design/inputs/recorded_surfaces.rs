@@ -1,5 +1,5 @@
-//! Comparison of a body's surfaces with those that a design has recorded. Without it, a point of the design could name
-//! another face of a changed file in silence.
+//! Comparison of a body's surfaces with those that a design has recorded. Without it, a point of the design could
+//! silently refer to another face of a changed file.
 
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::Vector3;
@@ -10,20 +10,21 @@ use crate::stages::bodies::BodyKind;
 use crate::wording::trimmed;
 
 /// Largest relative difference of an area. Between elements of 9 mm and of 18 mm, the areas of the housing in
-/// `examples/housing` differ by 0.03 % at most, because quadratic elements follow a curved face.
+/// `examples/housing` differ by at most 0.03 %, because quadratic elements follow a curved face.
 const AREA: f64 = 0.05;
 
-/// Largest distance of two centroids: this length \[m\], or this fraction of the side of a square of the same area. The
-/// size of the elements moves those of that housing by less than 0.01 mm, a change of its drawing by millimetres.
+/// Largest distance between two centroids: this length \[m\], or this fraction of the side of a square of the same
+/// area. The size of the elements moves the centroids of that housing by less than 0.01 mm, whereas a change of its
+/// drawing moves them by millimetres.
 const CENTRE: (f64, f64) = (1e-3, 0.02);
 
-/// Factor on these two for a surface that a radius of the design cuts from a face, because it ends with whole elements:
-/// on the plate of that housing, between elements of 13 mm and of 18 mm, a radius of 20 mm gives areas that differ by
-/// 3 %, and centroids 1.1 mm apart.
+/// Factor on these two for a surface that a radius of the design cuts from a face, because such a surface consists of
+/// complete elements. On the plate of that housing, a radius of 20 mm gives areas that differ by 3 %, and centroids 1.1
+/// mm apart, between elements of 13 mm and of 18 mm.
 const CUT: f64 = 3.0;
 
-/// Largest distance of two mean normals: a plane that has turned by 6 degrees. The size of the elements turns those of
-/// that housing by less than 0.001, to which a record is rounded.
+/// Largest distance between two mean normals: a plane that has turned by 6 degrees. The size of the elements changes
+/// the normals of that housing by less than 0.001, the resolution of a record.
 const NORMAL: f64 = 0.1;
 
 /// Measures of a named surface.

@@ -3,10 +3,11 @@
 //!
 //! The boundary-element equations are solved for the modes of these bodies, and the solution is stored. Assumption: on
 //! the outer surface, the modes of any body of this shape are combinations of them. The error is stated for every
-//! design. If it is not good enough, a second structure of other materials, for the tool also of other walls, is added
-//! to them ([`varied`]); if the walls of the two differ, from the start ([`ReferenceStructures::walls_differ`]). If
-//! both together are not good enough either, the radiation is solved for the design's modes. For a design with the
-//! N80CB's own materials the standard bodies are its bodies, and nothing is assumed.
+//! design. If the first structure is not good enough, a second one with other materials, and for the tool also with
+//! other walls, is added ([`varied`]). If the walls of the two differ, it is added from the start
+//! ([`ReferenceStructures::walls_differ`]). If both together are not good enough either, the radiation is solved for
+//! the design's modes. For a design with the N80CB's materials, the standard bodies are the design's bodies, and no
+//! assumption is needed.
 
 use std::sync::OnceLock;
 

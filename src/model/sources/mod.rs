@@ -1,4 +1,4 @@
-//! The sources of sound, one module each. All else iterates over `ALL`.
+//! The sources of sound, one module each. All other code iterates over `ALL`.
 //!
 //! A source is one file here, or a folder whose other files make its stages, and one line in `ALL`. Its name is also
 //! one of [`crate::design::SOURCES`], so that a design can set the error of its method.

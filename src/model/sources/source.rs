@@ -22,7 +22,7 @@ pub(crate) trait Source: Sync {
     /// Its colour in charts, as a place in the palette.
     fn colour(&self) -> usize;
 
-    /// Its role in a wrapping test: the source of the test to which its sound counts.
+    /// Its role in a wrapping test: the source of the test that includes its sound.
     fn role(&self) -> Role;
 
     /// Digests of the code that makes its sound.
@@ -85,7 +85,7 @@ pub(crate) struct ImpedanceComparison {
     /// With the complete one.
     pub(crate) complete: Stored<Apart<SourceSpectrum>>,
     /// Whether the complete one acts in the run. Otherwise a contact opens or acts back on the cycle, and both energies
-    /// are those of the same shot one way with the contact bonded.
+    /// are those of the same shot with one-way coupling and the contact bonded.
     pub(crate) complete_acts: bool,
     /// Checks of the bonded motion, if it is not that of the run.
     pub(crate) report: Option<Stored<ResponseChecks>>,

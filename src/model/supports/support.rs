@@ -79,7 +79,7 @@ pub(crate) trait Support {
     /// Height of the reflecting plane \[m\].
     fn reflecting_plane(&self) -> f64;
 
-    /// Height of the plane on which the measurement surface of ISO 3744 stands \[m\].
+    /// Height of the base plane of the measurement surface of ISO 3744 \[m\].
     fn measurement_plane(&self) -> f64 {
         self.reflecting_plane()
     }
@@ -229,7 +229,7 @@ pub(super) fn law(bonded: bool) -> SupportLaw {
     }
 }
 
-/// Conflict unless the user's springs carry a body that, according to the key, rests on them alone.
+/// Conflict unless the user's springs carry a body that, according to the key, rests only on them.
 pub(super) fn carried(values: &Values, body: Sprung, key: &'static str) -> Result<(), Conflict> {
     let [stiffness, _] = values.sprung(body);
     refuse(stiffness == 0.0, Conflict::NotCarried { body, key })

@@ -7,7 +7,7 @@ use super::super::surface::ColouredSurface;
 use super::triangles::Triangles;
 use super::view::View;
 
-/// Directions to look from: the value that the script knows, and the words.
+/// Directions to look from: the value for the script, and the words.
 const DIRECTIONS: [(&str, &str); 7] = [
     ("first", "front, right and above"),
     ("front", "the front"),

@@ -11,7 +11,7 @@ use crate::declaration::{Finished, Use};
 /// Names of the parts in links.
 const LINKS: [&str; 4] = ["values", "use", "conditions", "basis"];
 
-/// Conditions in one of the tables beside each other.
+/// Conditions in one of the tables side by side.
 const CONDITIONS: usize = 5;
 
 /// Fields to be filled in by hand, likewise.

@@ -1,7 +1,7 @@
 //! Names of the surfaces of a user's body: from its file, from places that the design gives, or recognised.
 //!
-//! A face is what it is in a drawing: element faces that meet at smooth edges. So a point names an entire bore or the
-//! end of a tube, whether the file is a mesh or a solid geometry.
+//! A face has the same meaning as in a drawing: element faces that meet at smooth edges. So a point names an entire
+//! bore or the end of a tube, whether the file is a mesh or a solid geometry.
 
 use std::f64::consts::PI;
 
@@ -189,7 +189,7 @@ fn measured(surface: &Surface, name: &str, origin: Origin, faces: &[usize]) -> R
     })
 }
 
-/// Assigns these faces to the group alone, replacing its previous ones.
+/// Assigns only these faces to the group, replacing its previous ones.
 fn rename(mesh: &mut Mesh, name: &str, faces: Vec<FaceRef>) {
     mesh.groups.retain(|group| group.name != name);
     for group in &mut mesh.groups {

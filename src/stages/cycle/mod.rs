@@ -81,7 +81,7 @@ impl AssembledCycle {
     }
 }
 
-/// The text of an assembly, which does not distinguish cycles: results depend on what it evaluates to.
+/// The text of an assembly. It does not distinguish cycles: results depend only on its evaluated values.
 #[derive(Debug, Clone, Default)]
 pub struct BlockPlaces(pub(crate) Option<Arc<AssemblyText>>);
 

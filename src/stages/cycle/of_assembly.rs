@@ -110,7 +110,8 @@ impl<'a> Histories<'a> {
         }
     }
 
-    /// Speed of the first fastener in a body into it, if its resistance depends on speed: it moves with its driver.
+    /// Speed of the first fastener that enters a body, relative to the body, if its resistance depends on speed. The
+    /// fastener moves with its driver.
     fn fastener_speed(&self, body: usize) -> Option<Vec<f64>> {
         let mut fasteners = self.assembly.fasteners.iter();
         let fastener = fasteners.find(|own| own.into == Base::Body(body))?;
@@ -255,8 +256,8 @@ pub(crate) struct StopOnHousing<'a> {
     pub(crate) surface: &'a str,
 }
 
-/// Linear contacts with named surfaces of the housing, of bodies that drive no fastener: their blows are short, so
-/// that the stiffness of the housing at the surface counts.
+/// Linear contacts of bodies that drive no fastener with named surfaces of the housing. Their blows are short, so that
+/// the stiffness of the housing at the surface matters.
 pub(crate) fn stops_on_housing(assembly: &Assembly) -> Vec<StopOnHousing<'_>> {
     let drives = |body: usize| assembly.fasteners.iter().any(|own| own.driver == body);
     let on_tool = |base: Base| matches!(base, Base::Body(index) if assembly.bodies[index].name == TOOL);
@@ -323,8 +324,8 @@ fn figures(assembly: &Assembly, record: &Record) -> BTreeMap<String, f64> {
 }
 
 /// Fraction of the gas that leaves a volume of the exhaust's path, to a reservoir or to the next volume of the path,
-/// while the atmosphere is below the critical fraction of the volume's pressure; the criterion of the thesis,
-/// P_a/P_1, for the N80CB. None if no gas leaves.
+/// while the atmosphere is below the critical fraction of the volume's pressure. For the N80CB, this is the criterion
+/// of the thesis, P_a/P_1. None if no gas leaves.
 fn choked_fraction(assembly: &Assembly, record: &Record, volume: &str) -> Option<f64> {
     let pressure = record.get(&format!("{volume}.pressure"))?;
     let atmosphere = assembly.reservoirs.iter().find(|own| own.name == "atmosphere")?;
@@ -355,7 +356,7 @@ fn choked_fraction(assembly: &Assembly, record: &Record, volume: &str) -> Option
 }
 
 /// Balances of the mass that leaves a tool for its surroundings, by name and sign: of passages from a volume to a
-/// reservoir, and of openings that are written the other way. What a supply hose fills in is not among them.
+/// reservoir, and of openings that are written the other way. The mass that a supply hose fills in is not included.
 pub(crate) fn outflows(assembly: &Assembly) -> Vec<(String, f64)> {
     let is_opening = |index| assembly.openings.iter().any(|opening| opening.passage == index);
     let passages = assembly.passages.iter().enumerate();
@@ -377,7 +378,7 @@ fn outflow(passage: &Passage) -> (String, f64) {
     (format!("mass.{}", passage.name), sign)
 }
 
-/// Mass that leaves through each opening, less what enters \[kg\]; none if the record does not balance it.
+/// Net mass that leaves through each opening \[kg\]; none if the record does not balance it.
 pub(crate) fn discharged_masses(assembly: &Assembly, record: &Record) -> Vec<Option<f64>> {
     let mass = |opening: &Opening| {
         let (balance, sign) = outflow(assembly.passages.get(opening.passage)?);

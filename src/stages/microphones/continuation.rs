@@ -12,7 +12,7 @@ use super::bands::density;
 use super::noise::under_envelope;
 use crate::stages::sound::SoundSource;
 
-/// Number of octaves below the end of the known pressures from which the directivity is taken.
+/// The directivity is taken from this number of octaves below the end of the known pressures.
 const DIRECTIVITY_OCTAVES: f64 = 1.0;
 
 /// Continuation of a source above its known pressures (above the boundary elements), where only its power is known.

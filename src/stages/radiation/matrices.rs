@@ -30,7 +30,7 @@ use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// Boundary elements of workpiece and worktable as one surface, or of the workpiece alone.
+/// Boundary elements of workpiece and worktable as one surface, or of only the workpiece.
 #[derive(Serialize)]
 pub struct WorkpieceSolution {
     /// Surroundings and resolution.

@@ -78,7 +78,7 @@ pub enum RadiatingShape {
     Workpiece(WorkpieceBoundaryElements),
     /// The tool's housing.
     Tool(ToolRadiation),
-    /// The tool's housing for each mode, followed by its cap alone moving in that mode.
+    /// The tool's housing for each mode, followed by only its cap moving in that mode.
     Cap(ToolRadiation, CapSurface),
 }
 

@@ -95,7 +95,7 @@ impl ToolCover {
         })
     }
 
-    /// The cover on a boundary, of which each panel is covered or not.
+    /// The cover on a boundary, whose panels are covered or not.
     pub(super) fn on(&self, boundary: &Boundary, covered: &[bool]) -> SurfaceCover {
         let panels = boundary.mesh().panels.iter().zip(covered);
         let shares = panels.flat_map(|(panel, covered)| vec![f64::from(u8::from(*covered)); panel.corners().len()]);
@@ -114,7 +114,7 @@ impl ToolCover {
         let shares = to.project_from(from, &shares)?;
         Ok(SurfaceCover {
             layer: cover.layer,
-            // A projection exceeds the ends by a little where a panel is partly covered.
+            // A projection slightly exceeds the limits where a panel is partly covered.
             shares: shares.iter().map(|share| share.clamp(0.0, 1.0)).collect(),
         })
     }

@@ -151,7 +151,7 @@ impl WorkpieceBoundaryElements {
     /// air the meshes and their limiting wavelengths are those of the stored matrix.
     ///
     /// # Errors
-    /// [`SurfaceError::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and
+    /// [`SurfaceError::NotBoxes`] for a mesh on a table that does not have the sides of the design; those of mesh and
     /// radiation.
     pub fn mesh_hierarchy(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         self.of_bodies(bodies, air, &RANGES)
@@ -481,7 +481,7 @@ mod tests {
         }
     }
 
-    /// The force that a small shaken cube puts on the air is 1.6284 rho V a: the polarizability of a cube of no
+    /// The force that a small shaken cube exerts on the air is 1.6284 rho V a: the polarizability of a cube of zero
     /// permittivity (Sihvola et al., IEEE Trans. Antennas Propag. 52, 2226 (2004)), which obeys the same equation. It
     /// radiates as a dipole, near the floor together with its image.
     #[test]

@@ -3,8 +3,8 @@
 //!
 //! Cycle and structure advance in the same steps. At the end of each step, the forces between them are consistent with
 //! the motion that the forces cause, so that the support's stiffness acts back on penetration, recoil and the release
-//! of the trigger. The nail's force acts along its embedded shank, and the wood's motion at the nail is the mean with
-//! the same weights, so that the power that leaves the cycle equals the power that reaches the wood.
+//! of the trigger. The nail's force acts along its embedded shank. The wood's motion at the nail is the mean with the
+//! same weights, so that the power that leaves the cycle equals the power that reaches the wood.
 
 use std::sync::Arc;
 
@@ -37,8 +37,8 @@ const FORCE_LIMIT: f64 = 1e-6;
 /// Largest difference between the work on both sides, relative to the work of gas, motors and forces on the
 /// tool's bodies.
 const WORK_LIMIT: f64 = 1e-4;
-/// The same relative to the largest energy in the structure, which on a rigid floor is a thousandth of the other:
-/// forces that start or jump within a step cause an error proportional to the square of the step.
+/// The same relative to the largest energy in the structure, which on a rigid floor is a thousandth of the other.
+/// Forces that start or jump within a step cause an error proportional to the square of the step.
 const STRUCTURE_LIMIT: f64 = 1e-3;
 
 /// A cycle and a response that are consistent with each other.

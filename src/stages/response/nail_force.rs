@@ -103,7 +103,7 @@ fn penetration(driven: &DrivenFastener, shot: &ShotRecord, on: &OnWorkpiece) -> 
     (force, checks)
 }
 
-/// What the force of an elastic blow adds to that of its cycle above [`CROSSOVER`].
+/// Difference between the force of an elastic blow and that of its cycle above [`CROSSOVER`].
 fn above_crossover(blow: &Blow, course: &Course<'_>) -> Vec<f64> {
     let pairs = blow.on_wood.iter().zip(course.resistance);
     let mut difference: Vec<f64> = pairs.map(|(elastic, rigid)| elastic - rigid).collect();

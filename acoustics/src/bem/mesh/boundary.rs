@@ -392,7 +392,7 @@ fn extent(mesh: &BoundaryMesh) -> f64 {
 /// The panel across an edge, and whether it traverses the edge in the same direction (its normal is then reversed).
 type Beyond = (usize, bool);
 
-/// The panel across every edge of every panel, and the edges of a single panel that lie in no plane.
+/// The panel across every edge of every panel, and the edges that belong to a single panel and lie in no plane.
 type Neighbours = (Vec<Vec<Beyond>>, Vec<(usize, usize)>);
 
 fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Neighbours, BemError> {

@@ -159,7 +159,7 @@ fn grid_line(
     }
 }
 
-/// Width of the rectangles next to a grid line \[m\]: half the height of the lowest gap that has its rim there.
+/// Width of the rectangles next to a grid line \[m\]: half the height of the lowest gap with its rim there.
 fn width_at(rims: &[Rim], axis: usize, at: f64, tolerance: f64) -> f64 {
     let there = |rim: &&Rim| rim.ends.iter().all(|end| (end[axis] - at).abs() <= tolerance);
     let widths = rims
@@ -169,8 +169,8 @@ fn width_at(rims: &[Rim], axis: usize, at: f64, tolerance: f64) -> f64 {
     widths.fold(f64::INFINITY, f64::min)
 }
 
-/// Adds the grid lines of an interval: rectangles of the widths `first` at its ends, each further one twice as wide as
-/// the one before, up to a width of `edge` \[m\].
+/// Adds the grid lines of an interval. The rectangles at its ends have the widths `first`. Each further one is twice as
+/// wide as the one before, up to a width of `edge` \[m\].
 fn stretch(line: &mut Vec<f64>, [from, to]: [f64; 2], edge: f64, first: [f64; 2]) -> Result<(), MeshError> {
     let graded = first.iter().filter(|width| **width < edge).count();
     let room = (to - from) / graded.max(1) as f64;

@@ -5,10 +5,10 @@
 //! within a distance of about h. Wide panels misplace the rim: they change the end correction of the gap by about 0.04
 //! of their width w, whatever its height. The mass of the air in the gap is proportional to the cube of its extent.
 //! That mass and the radiated power are therefore in error by about 3 0.04 w P/A, where A is the area of the gap and P
-//! the length of its rim. Panels are therefore small at the rim, half as wide as the gap is high, and grow with their
+//! the length of its rim. At the rim, panels are therefore half as wide as the gap is high; they become wider with
 //! distance from it.
 //!
-//! The constants are from blocks that heave 2 to 20 mm above a floor, see `docs/verification.md`.
+//! The constants come from blocks that heave 2 to 20 mm above a floor, see `docs/verification.md`.
 
 use super::boundary::Boundary;
 use super::panel::BoundaryMesh;
@@ -80,7 +80,7 @@ impl Gap {
     /// Determined as for [`Gap::mass_error`], from 0.3 to 2 kHz.
     pub fn band_error_db(&self) -> f64 {
         let [narrow, wide] = BAND_ERROR;
-        // Panels made for this height have it up to rounding.
+        // Panels exactly as wide as the gap is high count as narrow, up to rounding.
         let error = if self.panel_width < SLACK * self.height {
             narrow
         } else {
@@ -271,8 +271,8 @@ fn longest(mesh: &BoundaryMesh, panel: usize) -> f64 {
     (0..c.len()).map(side).fold(0.0, f64::max)
 }
 
-/// Distance from each panel's centre to the floor along its normal \[m\]; none if the floor is not below it, is farther
-/// away than half the extent of the body, or is hidden by another panel.
+/// Distance from each panel's centre to the floor along its normal \[m\]. None if the floor is not below it or is
+/// farther away than half the extent of the body, or if another panel hides it.
 fn heights(boundary: &Boundary) -> Vec<Option<f64>> {
     let mesh = boundary.mesh();
     let farthest = 0.5 * boundary.extents().max();

@@ -17,16 +17,17 @@ const IN_PLANE: f64 = 1e-6;
 /// undamped organ pipe: that of the N80CB would resonate at 737 Hz.
 #[derive(Debug, Clone)]
 pub struct ClosedOutline {
-    /// The points of skin and cover, and the panels exposed to the open air.
+    /// The points of the skin and of the cover, and the panels exposed to the open air.
     pub mesh: BoundaryMesh,
     /// For each point of the cover, the points of the skin whose mean motion it follows.
     cover: Vec<Vec<usize>>,
 }
 
 impl ClosedOutline {
-    /// The faces exposed to the open air, with a flat cover over the mouth of the nose that moves with its rim, unless
-    /// the nose stands on the floor (`floor` is its height \[m\]). The mouth stays open if the nose does not end in the
-    /// plane z = 0 with a single simple rim, which may occur in a user's mesh.
+    /// The faces exposed to the open air, with a flat cover over the mouth of the nose. The cover moves with the rim of
+    /// the mouth. There is no cover if the nose stands on the floor (`floor` is the height of the floor \[m\]). The
+    /// mouth stays open if the nose does not end in the plane z = 0 with a single simple rim; this may occur in a
+    /// user's mesh.
     ///
     /// # Errors
     /// [`MeshError`] of the surface.
@@ -214,7 +215,8 @@ mod tests {
                 "{flows:?}"
             );
         }
-        // If it stands on the floor, the floor closes it; if its tip is not at z = 0, it remains open.
+        // If the nose stands on the floor, the floor closes its mouth. If the tip is not at z = 0, the mouth remains
+        // open.
         let area = |skin: &Surface, floor| ClosedOutline::new(skin, floor).unwrap().mesh.area();
         assert!((area(&skin, Some(0.0)) - 45.0).abs() < 1e-9);
         assert!((area(&Surface::of(&bored(-0.5)), None) - 62.0).abs() < 1e-9);

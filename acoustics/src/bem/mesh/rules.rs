@@ -14,11 +14,12 @@ fn unit_gauss(n: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1. They follow from the
+/// eigenvalues of the Jacobi matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23,
+/// 1969).
+///
 /// gauss-quad 0.3 is not used: its Gauss-Jacobi rules place the middle of an odd number of points at zero, which is
 /// correct only for symmetric weights.
-///
-/// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1, from the eigenvalues of the
-/// Jacobi matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23, 1969).
 fn unit_gauss_jacobi(n: usize) -> Vec<(f64, f64)> {
     let entry = |i: usize, j: usize| {
         let k = i.max(j) as f64;
@@ -130,8 +131,8 @@ pub(crate) enum Contact {
 /// area of each.
 pub(crate) type PairNode = ([f64; 3], [f64; 3], f64);
 
-/// The rule of Sauter & Schwab (*Boundary Element Methods*, 2011, section 5.2) for two touching triangles, with n Gauss
-/// points in each of three directions and n - 1 in the direction away from the singularity.
+/// The rule of Sauter & Schwab (*Boundary Element Methods*, 2011, section 5.2) for two touching triangles. It has n
+/// Gauss points in each of three directions and n - 1 in the direction away from the singularity.
 ///
 /// A change of variables for every position of the singularity makes the integrand analytic. For kernels that grow as
 /// 1/s or 1/s², the Jacobian is s³ in the direction away from the singularity; a factor s remains, and a rule for s

@@ -1,10 +1,10 @@
 //! Refines the panels of a surface for higher frequencies.
 //!
-//! Triangles are bisected at their longest edges until no edge is too long. A panel whose neighbour is cut at their
-//! common edge is bisected as well, its longest edge first, so that the mesh remains conforming and angles stay above
-//! half the smallest initial angle (Rivara, *Int. J. Numer. Methods Eng.* 20, 745 (1984)). Quadrilaterals that must be
-//! cut are first divided into two triangles. All new points lie on the original panels: the surface is unchanged, and
-//! the shape functions of the original panels give their motion.
+//! Triangles are bisected at their longest edges until no edge is too long. If a panel's neighbour is cut at their
+//! common edge, the panel is bisected as well, at its longest edge first. The mesh thus remains conforming, and angles
+//! stay above half the smallest initial angle (Rivara, *Int. J. Numer. Methods Eng.* 20, 745 (1984)). Quadrilaterals
+//! that must be cut are first divided into two triangles. All new points lie on the original panels: the surface is
+//! unchanged, and the shape functions of the original panels give their motion.
 
 use super::gaps::{RIM_WIDTH, Rim, longest_side};
 use super::panel::{BoundaryMesh, MOST_NODES, Panel, PanelShape};
@@ -84,7 +84,8 @@ impl BoundaryMesh {
         }
     }
 
-    /// The same surface with panels whose squared side lengths do not exceed `limit` of their ends \[m²\].
+    /// The same surface with panels whose squared side lengths do not exceed `limit`, a function of the ends of a side
+    /// \[m²\].
     fn bisected(&self, limit: Limit<'_>) -> Subdivision {
         let mut bisection = Bisection {
             given: self,

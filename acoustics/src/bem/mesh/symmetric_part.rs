@@ -23,8 +23,8 @@ pub struct SymmetricPart {
 }
 
 impl SymmetricPart {
-    /// Finds planes through the middle of the surface in which its points and panels are mirror images of each other,
-    /// and keeps the part above them. A surface without such a plane is kept complete.
+    /// Finds the planes through the middle of the surface about which its points and panels are mirror images of each
+    /// other, and retains only the part above them. A surface without such a plane remains complete.
     pub fn of(mesh: BoundaryMesh) -> Self {
         let mut part = Self {
             mesh,
@@ -78,7 +78,7 @@ impl SymmetricPart {
     }
 }
 
-/// The plane perpendicular to an axis in the middle of the panels, and the image of every point; none if the panels are
+/// The plane perpendicular to an axis in the middle of the panels, and the image of every point. None if the panels are
 /// not mirror images of each other, or if a panel lies on both sides of the plane.
 fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     let used: HashSet<usize> = mesh.panels.iter().flat_map(|panel| panel.nodes()).copied().collect();

@@ -1,6 +1,6 @@
 //! The far rule: all pairs of panels of two blocks that are not close, for all images and all parities at once.
 //!
-//! The image q of a point is its reflection along a set of axes; its normal is reflected as well, n' = M_q n, and the
+//! The image q of a point is its reflection along a set of axes. Its normal is reflected as well, n' = M_q n, and the
 //! surface curl is multiplied by the determinant of M_q. With the signs s_pq of a parity p, the operators need sums
 //! over the images. Below, p^c is parity p with the sign across the plane of axis c reversed.
 //!
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The inputs of A, B and their transposes are combined image by image, and a single Walsh transform over the images
-//! yields all parities, so each kernel is evaluated once for all parities and operators. Sums over the points of two
-//! panels then give the values at the corners.
+//! yields all parities. Each kernel is therefore evaluated only once for all parities and operators. Sums over the
+//! points of two panels then give the values at the corners.
 //!
 //! In single precision with positions relative to the middle of a block, a kernel's error is 1e-6, a hundredth of the
 //! quadrature error.
@@ -35,7 +35,7 @@ const ALL: [usize; PARITIES] = [0, 2, 1, 3];
 /// Axes known only at run time.
 const ANY: usize = 8;
 
-/// All pairs of panels of two blocks, evaluated by the far rule except for those masked.
+/// All pairs of panels of two blocks, except masked ones, evaluated by the far rule.
 pub(crate) struct Far<'a> {
     pub(crate) wave: Wave,
     pub(crate) e: &'a Block,

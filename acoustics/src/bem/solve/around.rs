@@ -67,8 +67,8 @@ impl Exterior {
         images.iter().map(of_image).collect()
     }
 
-    /// Complex pressure at points that are [clear](Exterior::is_clear) for every pattern of several parities at one
-    /// frequency; for each parity points x patterns \[Pa s/m for velocities in m/s\]. Same as
+    /// Complex pressure at points that are [clear](Exterior::is_clear), for every pattern of several parities at one
+    /// frequency. Returns a matrix of points x patterns for each parity \[Pa s/m for velocities in m/s\]. Same as
     /// [`Exterior::pressure_at`], at the cost of one parity.
     pub(crate) fn around(&self, points: &[Point3<f64>], all: &[Radiated<'_>]) -> Vec<Mat<Complex<f64>>> {
         self.around_by(&self.boundary().images(), points, all)

@@ -1,15 +1,16 @@
 //! Porous covers on a surface: the condition v_n = T v_s - Y p on covered panels.
 //!
 //! On bare panels the normal velocity v_n of the air is that of the wall, v_s. On covered ones the outer face of the
-//! layer yields to the pressure, with T and Y of [`PorousLayer::transfer`]. The outer face is taken at the place of the
-//! wall. Let A p = j omega rho B v_n be the equation of Burton & Miller, see
+//! layer yields to the pressure, with T and Y of [`PorousLayer::transfer`]. The outer face is assumed to be at the
+//! position of the wall. Let A p = j omega rho B v_n be the equation of Burton & Miller, see
 //! [`Exterior`](super::problem::Exterior), and s = 1 on covered panels, 0 on the others.
 //!
 //! ```text
 //! (A + j omega rho Y B s) p = j omega rho B (1 + (T - 1) s) v_s
 //! ```
 //!
-//! B s is the product of B with s times each pressure unknown's shape function, computed as further velocity patterns.
+//! B s is the product of B with s times the shape function of each pressure unknown. These products are computed as
+//! additional velocity patterns.
 
 use crate::air::Air;
 use crate::bem::mesh::boundary::Boundary;

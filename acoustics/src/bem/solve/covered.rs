@@ -44,8 +44,8 @@ impl Exterior {
         Ok(self)
     }
 
-    /// Normal velocity of the air at the corners of all panels, real and imaginary parts, for the velocities of the
-    /// wall and the pressure that they cause; `None` on a bare surface, where both velocities are equal.
+    /// Normal velocity of the air at the corners of all panels, real and imaginary parts, for given velocities of the
+    /// wall and the pressure that they cause. `None` on a bare surface, where both velocities are equal.
     pub(crate) fn air_velocities(
         &self,
         velocities: &DMatrix<f64>,
@@ -103,8 +103,8 @@ impl Exterior {
         Ok(sum)
     }
 
-    /// Radiating fields with real velocities whose first half plus j times their second half is that of a covered
-    /// surface; `None` on a bare surface.
+    /// Radiating fields with real velocities. The first half of the columns plus j times the second half is the field
+    /// of a covered surface. `None` on a bare surface.
     pub(crate) fn with_real_velocities(&self, all: &[Radiated<'_>]) -> Option<Vec<(DMatrix<f64>, SurfacePressure)>> {
         let of = |(velocities, solution): &Radiated<'_>| {
             let [real, imaginary] = self.air_velocities(velocities, solution)?;

@@ -41,8 +41,9 @@ pub(crate) struct Source {
 pub(crate) type Radiated<'a> = (&'a DMatrix<f64>, &'a SurfacePressure);
 
 impl Exterior {
-    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity,
-    /// including the images in floor and mirror planes; with a floor, over the half space above it.
+    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity. The
+    /// images in floor and mirror planes are included; with a floor, the far field is integrated over the half space
+    /// above it.
     ///
     /// ```text
     /// p -> e^{-jkr}/(4 pi r) F(d)     F(d) = int e^{jk d.y} (jk d.n p + j omega rho v_n) dS

@@ -42,7 +42,7 @@ pub(crate) struct NeumannData {
 
 impl NeumannData {
     /// Prepares patterns with the surface's number of velocity values, given the integrals of phi_i phi_j over each
-    /// panel. With a cover, the equations have the further columns of [`CoverPatterns::columns`].
+    /// panel. With a cover, the equations have the additional columns of [`CoverPatterns::columns`].
     pub(crate) fn new(
         (boundary, blocks): (&Boundary, &[Block]),
         masses: &[[[f64; 4]; 4]],
@@ -102,7 +102,7 @@ impl NeumannData {
         cover.map_or(self.count(), |cover| cover.columns(self.count()))
     }
 
-    /// The further patterns of a covered surface.
+    /// The additional patterns of a covered surface.
     pub(crate) fn cover(&self) -> Option<&CoverPatterns> {
         self.cover.as_ref()
     }

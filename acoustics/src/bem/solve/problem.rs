@@ -35,13 +35,14 @@ const ACCURACY: Accuracy = Accuracy {
 /// (1/2 - K - alpha H) p = -(S + alpha (1/2 + K')) dp/dn        alpha = -j s(f) min(1/k, L_c)
 /// ```
 ///
-/// This equation has a unique solution at every frequency. Each half of it alone fails at resonances of the interior
-/// problem. Well below the lowest of these, the coupling is not needed. There, the derivative equation would reduce the
-/// accuracy of the small resistance of rigid-body motion (an error of a factor of 2 at 100 Hz for a block of 0.4 m,
-/// compared with 2e-4 without it). Therefore s rises as sin² from 0 at f_box/2 to 1 at 0.9 f_box, where f_box is the
-/// lowest resonance of the bounding box; no body inside it has a lower one. The Galerkin method is used with continuous
-/// linear (bilinear) pressure; the normal velocity is linear on each panel and discontinuous between panels. The
-/// hypersingular operator is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4).
+/// This equation has a unique solution at every frequency. Either half without the other fails at resonances of the
+/// interior problem. Well below the lowest of these, the coupling is not needed. There, the derivative equation would
+/// reduce the accuracy of the small resistance of rigid-body motion. For a block of 0.4 m at 100 Hz, the error would be
+/// a factor of 2; without the derivative equation, it is 2e-4. Therefore s rises as sin² from 0 at f_box/2 to 1 at 0.9
+/// f_box, where f_box is the lowest resonance of the bounding box; no body inside it has a lower one. The Galerkin
+/// method is used with continuous linear (bilinear) pressure; the normal velocity is linear on each panel and
+/// discontinuous between panels. The hypersingular operator is integrated by parts (Maue 1949, Nedelec 2001 section
+/// 3.3.4).
 ///
 /// ```text
 /// <phi, H psi> = -int int G (curl phi . curl psi - k² n_x . n_y phi psi)        curl phi = n x grad phi
@@ -381,7 +382,7 @@ impl Exterior {
         self.frequency_cost().compressed
     }
 
-    /// How the equations are solved; those of a covered surface with a dense matrix.
+    /// How the equations are solved; a dense matrix is used for a covered surface.
     pub(crate) fn equation_solver(&self) -> EquationSolver {
         match self.cover {
             Some(_) => EquationSolver::Dense,

@@ -121,9 +121,10 @@ impl ModalBem {
     /// level's own mesh corrects it at fewer frequencies ([`SampledRadiation::of_parities`] describes the error
     /// estimate). If the coarser mesh resolves the same range, as that of
     /// [`Boundary::coarsened`](crate::bem::Boundary::coarsened) does, only the shape differs and few corrections are
-    /// needed. The last mesh also serves another half octave as averages over a few frequencies; [`ModalBem::solve`]
-    /// continues to higher frequencies. Above that, the high-frequency limit is used: Rayleigh's integral for flat
-    /// faces, and the equivalent radiated power for curved parts and parts small compared with the wavelength.
+    /// needed. The last mesh is also used for another half octave, with averages over a few frequencies;
+    /// [`ModalBem::solve`] continues to higher frequencies. Above that, the high-frequency limit is used: Rayleigh's
+    /// integral for flat faces, and the equivalent radiated power for curved parts and parts small compared with the
+    /// wavelength.
     ///
     /// `progress` is called after each frequency solved.
     ///
@@ -197,8 +198,8 @@ impl ModalBem {
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
         let resolved: Vec<f64> = levels.iter().map(MeshRange::resolved_hz).collect();
-        // Whether the preceding mesh resolves a range as well as the range's own mesh, so that the results differ only
-        // by the shape, smoothly over frequency.
+        // Whether the preceding mesh resolves a range as well as the range's own mesh does. The results then differ
+        // only by the shape, and the difference is smooth over frequency.
         let is_resolved_before = |number: usize| number > 0 && resolved[number - 1] >= tops[number] * (1.0 - 1e-9);
         let prepare = |(number, level): (usize, MeshRange)| {
             // The solver also predicts the next range, and the last one also solves the averages.
@@ -437,7 +438,7 @@ impl ModalBem {
         ]
     }
 
-    /// Energy of the limit alone, in the units of [`ModalRadiation::energy_forms`], summed over all patches, at
+    /// Energy from the limit only, in the units of [`ModalRadiation::energy_forms`], summed over all patches, at
     /// frequencies within [`ModalBem::compared_hz`].
     pub fn limit_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let hz = self.air.all_computed(frequency);

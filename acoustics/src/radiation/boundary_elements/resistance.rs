@@ -25,8 +25,8 @@ pub struct TwoEvaluations {
     /// On a covered surface, where R is Hermitian: antisymmetric imaginary parts of `far_field` and `patches`.
     pub imaginary: Option<(DMatrix<f64>, Vec<DMatrix<f64>>)>,
     /// Largest |R_ij - R_ji| of the surface evaluation, relative to the largest entry of R. It would be zero by
-    /// reciprocity, but the discretisation violates it. On a covered surface, that of int v_i p_j dS, where v is the
-    /// velocity of the layer's outer face without pressure.
+    /// reciprocity, but the discretisation violates it. On a covered surface, it is the asymmetry of int v_i p_j dS,
+    /// where v is the velocity of the layer's outer face without pressure.
     pub asymmetry: f64,
     /// Largest difference between the powers of a pattern from the two evaluations \[dB\], among patterns within 30 dB
     /// of the loudest.

@@ -1,7 +1,7 @@
 //! Modes of one body as combinations of the modes of another with the same outer surface.
 //!
 //! Radiation depends only on the normal velocity of the outer surface. Let B be the velocities of modes whose radiation
-//! matrix R is known, and V those of the modes of interest. For each parity In every parity
+//! matrix R is known, and V those of the modes of interest. The fit of each parity is
 //!
 //! ```text
 //! V = B T + rest,   T = (B^T W B + ridge)^-1 B^T W V      =>      R' = T^T R T
@@ -45,7 +45,7 @@ pub struct SurfaceFit {
 impl SurfaceFit {
     /// Fits the modes of `body` with those of `known`, both on the finest mesh; none if the surfaces differ. If only
     /// their triangle meshes differ, the velocities of `body` are interpolated on the mesh of `known`
-    /// ([`Boundary::interpolate_from`]), and any change due to interpolating there and back counts as part of the rest.
+    /// ([`Boundary::interpolate_from`]). Any change due to interpolating there and back counts as part of the rest.
     pub fn new(known: &MeshRange, body: &MeshRange) -> Option<Self> {
         let boundary = known.problem.boundary();
         if known.patterns.len() != body.patterns.len() {
@@ -101,8 +101,8 @@ impl SurfaceFit {
         self.whole.nrows()
     }
 
-    /// For each mode, the velocity that no combination represents relative to the velocity of the mode, as root mean
-    /// squares over the surface \[-\]; 0 for a mode that does not move the surface.
+    /// For each mode, the velocity that no combination represents, relative to the velocity of the mode \[-\]. Both are
+    /// root mean squares over the surface. The ratio is 0 for a mode that does not move the surface.
     pub fn residuals(&self) -> Vec<f64> {
         let ratio = |(rest, whole): (&f64, &f64)| {
             if *whole > 0.0 {
@@ -120,7 +120,7 @@ impl SurfaceFit {
     }
 
     /// Integrals over the surface of the squared velocity, in total and for the part that no combination represents,
-    /// summed over the columns of `amplitudes`, which are for the modes from `first` onwards.
+    /// summed over the columns of `amplitudes`. The amplitudes are those of the modes from `first` onwards.
     pub fn squares(&self, first: usize, amplitudes: &DMatrix<Complex<f64>>) -> [f64; 2] {
         let n = amplitudes.nrows();
         [&self.whole, &self.rest].map(|gram| {

@@ -12,9 +12,9 @@ const WRAP_AROUND: f64 = 1e-5;
 
 /// Transforms of records of one length, and the inverse, for frequencies from zero upwards.
 ///
-/// The period is at least twice the record. Within the record, the response of a causal system is therefore that to the
-/// complete history, because the part that wraps around the period is attenuated by e^{-sigma L}. Rigid motion and
-/// offsets are included, because nothing is singular at s = sigma + j omega.
+/// The period is at least twice the record. Within the record, the response of a causal system is therefore its
+/// response to the complete history, because the part that wraps around the period is attenuated by e^{-sigma L}. Rigid
+/// motion and offsets are included, because nothing is singular at s = sigma + j omega.
 #[derive(Clone)]
 pub struct DampedTransform {
     fft: RealTransform,
@@ -70,7 +70,8 @@ impl DampedTransform {
     }
 
     /// Lines sum_n (x_n - x_0) e^{-s t_n} of the records in the columns of `motion` (samples x records), records x
-    /// lines. They represent changes from a record's first value, which it is assumed to have had before.
+    /// lines. They represent changes from a record's first value. The record is assumed to have had that value before
+    /// its start.
     ///
     /// After its end, a record is continued as 2 x_N - x_{2N-n}, without a jump in value or slope, and fades to its
     /// first value by the end of the period. For a causal system, this has no effect before the end of the record.

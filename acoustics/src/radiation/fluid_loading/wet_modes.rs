@@ -29,15 +29,15 @@ pub struct WetModes {
     /// Amplitudes of the dry modes, dry x wet.
     #[serde(with = "crate::blocks")]
     pub shapes: DMatrix<f64>,
-    /// Added mass M of the dry modes, relative to their own \[-\].
+    /// Added mass M of the dry modes, relative to their modal mass \[-\].
     #[serde(with = "crate::blocks")]
     pub mass: DMatrix<f64>,
 }
 
 impl WetModes {
-    /// Creates the modes from functions that return a column of X/omega of the dry modes (given its index and the
-    /// angular frequency) and the quadratic form of their R (given the angular frequency and amplitudes). Frequencies
-    /// \[rad/s\] are at least `lowest`, the value for rigid modes.
+    /// Creates the modes from two functions of the dry modes. One returns a column of X/omega, given its index and the
+    /// angular frequency. The other returns the quadratic form of R, given the angular frequency and amplitudes.
+    /// Frequencies \[rad/s\] are at least `lowest`, the value for rigid modes.
     ///
     /// # Errors
     /// If a column has the wrong length; [`FluidLoadingError::Mass`].

@@ -298,8 +298,8 @@ impl Rayleigh {
         self.moving.as_ref().map(SandPatch::fade_hz)
     }
 
-    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, where r is the distance from
-    /// the point (0, 0) of the plane; directions x modes \[Pa m per m/s²\].
+    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, directions x modes \[Pa m
+    /// per m/s²\]. The distance r is measured from the point (0, 0) of the plane.
     ///
     /// ```text
     /// r p e^{jkr} = rho0/(2 pi) sum_a S_a phi_a e^{jk d.x_a}
@@ -340,8 +340,8 @@ fn radius(points: &[[f64; 2]], middle: [f64; 2]) -> f64 {
 }
 
 /// `factor` times the Hermitian parts of Y_p^H Y for each patch field Y_p, where Y is their sum. The fields of the
-/// surface's patches are real. They are followed by that of the sand, Y_s = Z E, where Z is the complex field of the
-/// points that follow each edge point, and E the motion of the edge. The field of the sand may have more waves.
+/// surface's patches are real. They are followed by that of the sand, Y_s = Z E. Z is the complex field of the points
+/// that follow each edge point, and E is the motion of the edge. The field of the sand may have more waves.
 fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>, factor: f64) -> Vec<Resistance> {
     let mut surface = own[0].clone();
     own[1..].iter().for_each(|field| surface += field);

@@ -220,8 +220,9 @@ impl MovingSand {
     }
 }
 
-/// Displacement at a point of the edge, from a least-squares plane through the nine nearest quadrature points and any
-/// at the same distance as the ninth, so that mirror images of edge points move equally. It is exact for rigid motion.
+/// Displacement at a point of the edge, from a least-squares plane through the nine nearest quadrature points. Further
+/// points at the same distance as the ninth are included, so that mirror images of edge points move equally. The plane
+/// is exact for rigid motion.
 fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
     let mut near: Vec<(f64, usize)> = block
         .iter()

@@ -15,10 +15,10 @@ use serde::{Deserialize, Serialize};
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
 /// ```
 ///
-/// Absorbing sand multiplies R by its factor g(f), and p by the square root of g. Moving sand has a wavenumber of its
-/// own, so it is computed for each state of the air, up to the frequency at which its motion ends; above, the radiation
-/// is [continued](FlushSound::continued) by the surface alone. Only long waves matter there, for which a tenth of the
-/// surface's points suffices.
+/// Absorbing sand multiplies R by its factor g(f), and p by the square root of g. Moving sand has its own wavenumber,
+/// so it is computed for each state of the air, up to the frequency at which its motion ends. Above that frequency, the
+/// radiation is [continued](FlushSound::continued) by that of the surface without sand. Only long sound waves matter in
+/// the range where the sand moves; for these, a tenth of the surface's points suffices.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlushSound {
     /// Its resistance, from spherical waves.

@@ -12,7 +12,7 @@ use crate::signals::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Number of uppermost boundary-element bands from which the error of the limit is estimated.
+/// Number of uppermost boundary-element bands used to estimate the error of the limit.
 const JUDGED: usize = 3;
 
 /// Octaves over which pressures fade out at the upper end of single frequencies.
@@ -70,7 +70,7 @@ impl Radiator for ModalBem {
             let damping = damping[own..own + n].to_vec();
             let mut loads = FluidLoads::new(damping, body.omega(), (own, self), mass_at);
             if acts == Loading::Full {
-                // Rigid motion keeps its mass, which balances forces and weight.
+                // Rigid motion has no added mass, so that its mass balances forces and weight.
                 let elastic = |mode: usize| f64::from(u8::from(body.omega()[mode] > 0.0));
                 let column = |mode: usize, omega: f64| {
                     let mass = self.added_mass(own + mode, omega / TAU);
@@ -110,8 +110,8 @@ impl Radiator for ModalBem {
 }
 
 /// Uncertainty from the difference between the two evaluations and, above the boundary elements, from the error of the
-/// high-frequency limit, which is estimated as its difference from boundary elements in their uppermost bands. The
-/// bound for motion that standard modes of the same surface do not represent is added, and so is that for panels at
+/// high-frequency limit. That error is estimated as the limit's difference from boundary elements in their uppermost
+/// bands. Two bounds are added: for motion that standard modes of the same surface do not represent, and for panels at
 /// thin gaps.
 fn uncertainty(
     bem: &ModalBem,
@@ -153,7 +153,7 @@ fn uncertainty(
 }
 
 /// Bound on the error in the A-weighted level \[dB\] due to motion that standard modes of the same surface do not
-/// represent; none if the radiation was solved for the body's own modes. If the missing energy E_r radiates with
+/// represent. None if the radiation was solved for the body's own modes. If the missing energy E_r radiates with
 /// efficiency 1 and in phase with the rest, it changes the energy E by at most 2 sqrt(E E_r) + E_r.
 fn lacking_db(bem: &ModalBem, source: &SourceSpectrum, together: &ModalSpectra) -> Option<f64> {
     let rest = SourceSpectrum {
@@ -279,7 +279,7 @@ fn report(
     }
 }
 
-/// The power from the high-frequency limit alone, zero outside the range of comparison.
+/// The power from the high-frequency limit only; zero outside the range of comparison.
 fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) -> SourceSpectrum {
     let [from, to] = bem.compared_hz();
     // One extra bin on either side includes the ends.

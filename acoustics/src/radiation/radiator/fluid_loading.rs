@@ -58,8 +58,9 @@ impl FluidLoads {
         }
     }
 
-    /// Creates the loads from the damping ratios and from functions that return a diagonal element of X/omega (given a
-    /// mode's index and the frequency in hertz) and R_jj; `first` is the index of the body's first mode in `radiation`.
+    /// Creates the loads from the damping ratios, from a function that returns a diagonal element of X/omega (given a
+    /// mode's index and the frequency in hertz), and from R_jj of `radiation`. `first` is the index of the body's first
+    /// mode in `radiation`.
     pub(crate) fn new(
         damping: Vec<f64>,
         omega: &[f64],

@@ -30,7 +30,7 @@ use std::f64::consts::TAU;
 
 /// One or several bodies that radiate together, for example the workpiece and the table under it.
 ///
-/// Motions are given by body, in the order in which the radiator was constructed.
+/// Motions are given by body, in the order of the bodies in the radiator.
 pub trait Radiator: Send + Sync {
     /// Energy spectrum of the source `source`.
     ///
@@ -101,7 +101,7 @@ pub struct Pressures {
     pub values: DMatrix<Complex<f64>>,
     /// Range over which they fade out, to be replaced by averages without phase, if any \[Hz\].
     pub fade_hz: Option<[f64; 2]>,
-    /// Range in which they are valid \[Hz\].
+    /// Range of validity \[Hz\].
     pub range_hz: [f64; 2],
     /// Error of the interpolation over frequency, relative to the loudest mode at any receiver \[-\].
     pub interpolation_error: f64,

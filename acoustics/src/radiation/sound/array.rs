@@ -55,8 +55,8 @@ impl Iso3744Box {
 /// 3744).
 const BACKGROUND: [f64; 2] = [6.0, 15.0];
 
-/// Background correction K1 \[dB\] for a level with source and background that is `difference` \[dB\] above the
-/// background alone: 0 above 15 dB, and `None` below 6 dB, where the measurement is invalid.
+/// Background correction K1 \[dB\] for a level of source and background together that is `difference` \[dB\] above the
+/// level of the background. It is 0 above 15 dB, and `None` below 6 dB, where the measurement is invalid.
 ///
 /// ```text
 /// K1 = -10 lg(1 - 10^(-0.1 dL))

@@ -15,8 +15,8 @@ pub struct Directions {
 
 impl Directions {
     /// Gauss points in height on `rings` rings, with equally spaced angles on each. Spherical harmonics are integrated
-    /// exactly up to order `around` - 1 and up to 2 `rings` - 1; the latter is twice as high on the half sphere for
-    /// functions that are even in height.
+    /// exactly up to order `around` - 1 and up to 2 `rings` - 1. The latter limit is twice as high on the half sphere
+    /// for functions that are even in height.
     pub fn new(rings: usize, around: usize, half: bool) -> Self {
         let rule = gauss_legendre(if half { 2 * rings } else { rings });
         let mut all = Self {

@@ -39,8 +39,8 @@ impl Fields {
         (path, sound_speed): (f64, f64),
         at: impl Fn(f64) -> Result<Vec<Field>, AcousticsError> + Sync,
     ) -> Result<Self, AcousticsError> {
-        // The number of half-waves of e^{jkr} over a range must not exceed what a polynomial of order tau = (k_2 - k_1)
-        // r / 2 can represent.
+        // The number of half-waves of e^{jkr} over a range must not exceed the number that a polynomial of the order
+        // tau = (k_2 - k_1) r / 2 can represent.
         let tau = PI * (high - low) * path / sound_speed;
         let count = (tau / HALF_WAVES).ceil();
         let part = |i: usize| low + (high - low) * i as f64 / count;

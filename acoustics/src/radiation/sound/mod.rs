@@ -3,9 +3,9 @@
 //! A source with known phases gives the complex pressure at every point: boundary elements with
 //! [`Receivers`](super::boundary_elements::Receivers), a flush surface by
 //! [`SoundAbovePlane`](super::flush_with_sand::SoundAbovePlane), an oscillating sphere by
-//! [`oscillating_sphere_pressure`]. A source of which only the energy is known is treated as
-//! [omnidirectional](omnidirectional_transfer).
-//! [`ChirpTransform`](crate::signals::ChirpTransform) converts spectra to signals.
+//! [`oscillating_sphere_pressure`]. If only the energy of a source is known, the source is treated as
+//! [omnidirectional](omnidirectional_transfer). [`ChirpTransform`](crate::signals::ChirpTransform) converts spectra to
+//! signals.
 
 mod array;
 mod bands;

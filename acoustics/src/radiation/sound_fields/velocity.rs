@@ -7,9 +7,9 @@ use crate::radiation::{FACE_POINTS, LowRank, ModalSpectra, RadiatingSurface, qua
 use nailnoise_meshes::{Surface, open_faces};
 use nalgebra::{DMatrix, Vector3};
 
-/// Velocity of the surface of a body, given the displacement of its points in each mode (3 points x modes), and the
-/// energy that the parts exposed to the open air would radiate with efficiency 1. `at` is the origin of the axes of the
-/// body \[m\].
+/// Velocity of the surface of a body, given the displacement of its points in each mode (3 points x modes). The result
+/// also contains the energy that the parts exposed to the open air would radiate with efficiency 1. `at` is the origin
+/// of the axes of the body \[m\].
 ///
 /// # Errors
 /// Errors of the surface.

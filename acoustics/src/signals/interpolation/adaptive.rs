@@ -84,8 +84,9 @@ pub(crate) fn each<T: Send>(
 ///
 /// An interval is halved when it reaches the largest number of samples per polynomial. From half that number upwards,
 /// it is halved earlier if the convergence of the last two rounds shows that the full number would not meet the
-/// tolerance. A polynomial converges more slowly, the narrower a resonance is relative to the interval. The sequences
-/// of the halves begin with the existing samples inside them. Leja's rule then adds those that the new end requires.
+/// tolerance. The narrower a resonance is relative to the interval, the more slowly a polynomial converges. The
+/// sequences of the halves begin with the existing samples inside them. Leja's rule then adds those that the new end
+/// requires.
 ///
 /// # Errors
 /// If the tolerance is not positive; [`SamplingError::Unresolved`]; errors of `take`.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Number of points from which the Leja sequence chooses.
+/// Number of candidate points for the Leja sequence.
 const CANDIDATES: usize = 2048;
 
 /// Products of distances whose logarithms differ by less than this count as equal.
@@ -81,8 +81,8 @@ impl Interval {
         &self.hz
     }
 
-    /// Frequencies of the samples rearranged as a Leja sequence \[Hz\], beginning with both ends, so that its first few
-    /// members define an interpolant of their own.
+    /// Frequencies of the samples rearranged as a Leja sequence \[Hz\]. It begins with both ends, so that its first few
+    /// members also define an interpolant.
     pub(crate) fn samples_in_leja_order(&self) -> Vec<f64> {
         let x: Vec<f64> = self.hz.iter().map(|&hz| scaled([self.low, self.high], hz)).collect();
         let mut left: Vec<usize> = (0..x.len()).collect();

@@ -327,7 +327,7 @@ pub(super) fn levels_over_time(pressure: &[f64]) -> Result<Vec<[f64; BANDS]>, Lo
 }
 
 /// Third-octave levels of a steady sound \[dB re 20 uPa\] from its pressure \[Pa\] at 48 kHz (ISO 532-1:2017, 5.2). The
-/// first `skip` \[s\], in which the filters settle, are excluded.
+/// first `skip` \[s\] are excluded, because the filters settle during that time.
 ///
 /// # Errors
 /// If a pressure is not finite or nothing follows `skip`.

@@ -4,10 +4,10 @@
 //! pressure -> third-octave levels -> core loudness -> (decay over time) -> specific loudness -> N -> (weighting)
 //! ```
 //!
-//! The loudness N is in sone. A 1 kHz tone at 40 dB in a free field, from the front, has 1 sone. The method assumes the
-//! same sound at both ears and the equal-loudness contours of ISO 226:1987. Coefficients are those of annex A of the
-//! standard, as transcribed in open-source libraries (MoSQITo 1.2, phonometry); they have not been compared with the
-//! printed tables.
+//! The loudness N is in sone. A 1 kHz tone at 40 dB in a free field, from the front, has a loudness of 1 sone. The
+//! method assumes the same sound at both ears and the equal-loudness contours of ISO 226:1987. Coefficients are those
+//! of annex A of the standard, as transcribed in open-source libraries (MoSQITo 1.2, phonometry); they have not been
+//! compared with the printed tables.
 
 mod core;
 pub(crate) mod error;

@@ -44,8 +44,8 @@ fn range_at(specific: f64, from: usize) -> usize {
 
 /// Total loudness: the area below the pattern of specific loudness \[sone\], given the core loudness \[sone/Bark\].
 ///
-/// A band whose core loudness exceeds the slope of the bands below replaces it; otherwise the slope continues, with the
-/// steepness of its own specific loudness. ISO 532-1:2017, 5.7.
+/// A band whose core loudness exceeds the slope of the bands below replaces it. Otherwise the slope continues; its
+/// steepness depends on its specific loudness. ISO 532-1:2017, 5.7.
 pub(super) fn total_loudness(core: &[f64; CRITICAL_BANDS]) -> f64 {
     let (mut total, mut rate, mut specific, mut range) = (0.0, 0.0, 0.0, 0);
     for (band, (&core, end)) in core.iter().zip(UPPER_END).enumerate() {

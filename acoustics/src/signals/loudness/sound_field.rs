@@ -1,6 +1,6 @@
 //! Sound fields for which the standard defines loudness.
 
-/// Sound field to which the levels refer, without the listener.
+/// Sound field for which the levels are given, without the listener.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SoundField {
     /// A plane wave from the front.

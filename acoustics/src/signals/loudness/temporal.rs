@@ -14,7 +14,7 @@ const MEMORY: f64 = 0.075;
 /// Below this difference, the input is taken to equal the output \[sone/Bark\].
 const EQUAL: f64 = 1e-5;
 
-/// The circuit of two capacitors after a diode, with which excitation rises at once and decays slowly.
+/// The circuit of two capacitors after a diode, which makes excitation rise at once and decay slowly.
 struct Decay {
     /// Weights of the two voltages over one step while both capacitors discharge: \[memory, output\] x \[output,
     /// memory\].

@@ -32,7 +32,7 @@ impl Rod {
 pub struct ElasticBlow {
     /// Index in [`Assembly::fasteners`](super::Assembly::fasteners).
     pub fastener: usize,
-    /// The part of the driver that strikes the fastener. The rest of the driver's mass is at its upper end.
+    /// The section of the driver that strikes the fastener. The rest of the driver's mass is at its upper end.
     pub rod: Rod,
     /// The shanks of the fastener side by side, as one bar. The rest of the fastener's mass is at its upper end.
     pub shank: Rod,

@@ -36,7 +36,7 @@ pub enum Edge {
     At(f64),
     /// When the condition begins to be satisfied.
     Becomes(Condition),
-    /// When the condition is satisfied, immediately if it is at the start of the search.
+    /// When the condition is satisfied; at the start of the search if it is already satisfied then.
     Is(Condition),
     /// When a block logs a word.
     Logged(Word),
@@ -45,7 +45,7 @@ pub enum Edge {
 /// Conditions that must all be satisfied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Condition {
-    /// Comparisons, all of which must be satisfied.
+    /// Comparisons that must all be satisfied.
     pub all: Vec<Comparison>,
 }
 
@@ -123,7 +123,7 @@ pub enum Action {
 }
 
 impl Action {
-    /// Whether one restriction of a passage logs the word, rather than the whole passage.
+    /// Whether one restriction of a passage logs the word, rather than the passage itself.
     pub(crate) fn is_of_restriction(self) -> bool {
         matches!(self, Self::Opens | Self::Shuts | Self::Uncovered | Self::Covered)
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Base, Expression, Space};
 
-/// Polytropic law of all volumes, whose gas has the same constant temperature (published form, thesis Eq. 4.26):
+/// Polytropic law of all volumes. Their gas has the same constant temperature (published form, thesis Eq. 4.26):
 ///
 /// ```text
 /// P' = R T/V (sum alpha mdot) - alpha_0 P V'/V
@@ -61,7 +61,7 @@ pub struct Wall {
     pub temperature: f64,
 }
 
-/// Area on which gas acts on a body: force and swept volume.
+/// Area where gas acts on a body: force and swept volume.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Face {
     /// Name.
@@ -70,7 +70,7 @@ pub struct Face {
     pub gas: Space,
     /// Index of the body it acts on.
     pub body: usize,
-    /// Body that carries the reaction, and relative to which the travel is measured.
+    /// Body that carries the reaction; the travel is measured relative to it.
     pub against: Base,
     /// Direction of the force on `body`.
     pub push: super::Push,
@@ -146,7 +146,7 @@ pub enum Opens {
     Seat {
         /// Index of the body whose travel opens it.
         body: usize,
-        /// Body relative to which the travel is measured.
+        /// Reference body of the travel.
         against: Base,
         /// Direction of travel that opens it.
         push: super::Push,
@@ -163,7 +163,7 @@ pub enum Opens {
     Holes {
         /// Index of the body.
         body: usize,
-        /// Body relative to which the travel is measured.
+        /// Reference body of the travel.
         against: Base,
         /// Direction of travel that uncovers them.
         push: super::Push,
@@ -242,7 +242,7 @@ pub struct Gate {
     pub delay: f64,
     /// State of the passage before the first change takes effect.
     pub before: bool,
-    /// Whether the delay applies to the flow: that of one delay earlier arrives.
+    /// Whether the delay applies to the flow. The flow that arrives is then that of one delay earlier.
     pub delays_flow: bool,
     /// Whether the flow leaves the first space at the trigger's change, without the discharge coefficient.
     pub leaves_undelayed: bool,

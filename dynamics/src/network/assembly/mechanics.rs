@@ -30,7 +30,7 @@ impl Push {
 pub struct Body {
     /// Name.
     pub name: String,
-    /// Body relative to which its travel is measured.
+    /// Reference body of its travel.
     pub parent: Base,
     /// Mass \[kg\].
     pub mass: f64,
@@ -56,7 +56,7 @@ pub enum Start {
     },
 }
 
-/// Characteristic sizes relative to which the integration error is measured.
+/// Characteristic sizes that scale the integration error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Weights {
     /// Position \[m\].
@@ -131,7 +131,7 @@ pub struct Spring {
     pub on: usize,
     /// Body that carries the reaction.
     pub against: Base,
-    /// Direction in which a compressed spring pushes `on`.
+    /// Direction of the push of a compressed spring on `on`.
     pub push: Push,
     /// Travel at which the deflection equals the preload \[m\].
     pub free: f64,
@@ -239,7 +239,7 @@ pub struct Motor {
 pub struct Hold {
     /// Name.
     pub name: String,
-    /// Index of the body it holds.
+    /// Index of the body that it latches.
     pub on: usize,
     /// Body that carries the reaction.
     pub against: Base,
@@ -274,8 +274,9 @@ pub struct Fastener {
     pub mass: f64,
     /// Whether the mass joins the driver in a plastic impact.
     pub impact: bool,
-    /// Whether the driver leaves it when the workpiece no longer pushes it back, as unilateral contact requires, in
-    /// place of the driver's reversal, the rule of the nailing cycle (Nili Ahmadabadi 2016, ch. 4).
+    /// Whether the driver leaves it when the workpiece no longer pushes it back, as unilateral contact requires.
+    /// Otherwise the driver leaves it at the driver's reversal, which is the rule of the nailing cycle (Nili Ahmadabadi
+    /// 2016, ch. 4).
     pub leaves_unloaded: bool,
     /// Resistance of the workpiece.
     pub law: FastenerLaw,
@@ -303,13 +304,13 @@ pub enum FastenerLaw {
     Wood(Box<WoodLaw>),
 }
 
-/// Resistance of a wood by the keys of a design. Tables and fitted laws, which no formula gives, replace `table` and
+/// Resistance of a wood by the keys of a design. A formula cannot give tables and fitted laws; they replace `table` and
 /// `fit` of a resolved assembly.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WoodLaw {
     /// The wood. Its stiffnesses under the head and of unloading are not used: [`Seated`] has those of the fastener.
     pub wood: NailedWood,
-    /// Tabulated resistance, in place of the law of the wood.
+    /// Tabulated resistance, instead of the law of the wood.
     pub table: Option<ForceTable>,
     /// The law of the word `fitted`.
     pub fit: Option<FittedLaw>,
@@ -321,11 +322,11 @@ pub struct WoodLaw {
     pub driving_mass: f64,
     /// Number of shanks.
     pub legs: u32,
-    /// Friction along the shank as a share of the resistance at full depth.
+    /// Friction along the shank as a fraction of the resistance at full depth.
     pub friction_share: f64,
     /// Factor of a coating on that friction.
     pub coating: f64,
-    /// b, deviation of the specimen from the law, of s = sqrt(F_r/(H_M l)).
+    /// b, deviation of the specimen's s = sqrt(F_r/(H_M l)) from the law.
     pub deviation: f64,
 }
 

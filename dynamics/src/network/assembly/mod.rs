@@ -37,7 +37,7 @@ pub struct Assembly {
     pub gas_constant: f64,
     /// Ratio of specific heats.
     pub heat_capacity_ratio: f64,
-    /// Polytropic law in place of the balance of energy; none for an ideal gas.
+    /// Polytropic law instead of the balance of energy; none for an ideal gas.
     pub polytropic: Option<Polytropic>,
     /// Acceleration of gravity, along +y \[m/s2\].
     pub gravity: f64,
@@ -57,7 +57,7 @@ pub struct Assembly {
     pub bodies: Vec<Body>,
     /// Gas volumes.
     pub volumes: Vec<Volume>,
-    /// Faces on which gas acts on a body.
+    /// Faces where gas acts on a body.
     pub faces: Vec<Face>,
     /// Passages between volumes and reservoirs.
     pub passages: Vec<Passage>,
@@ -75,8 +75,8 @@ pub struct Assembly {
     pub holds: Vec<Hold>,
     /// Fasteners, at most one per driver.
     pub fasteners: Vec<Fastener>,
-    /// Elastic blows on fasteners, at most one per fastener. They do not act on the cycle, but on the force on the work
-    /// above its frequencies.
+    /// Elastic blows on fasteners, at most one per fastener. They do not affect the cycle. They affect the force on the
+    /// work at frequencies above those of the cycle.
     pub blows: Vec<ElasticBlow>,
     /// Boolean signals that passages, motors and latches follow.
     pub triggers: Vec<Trigger>,
@@ -92,7 +92,7 @@ pub struct Assembly {
     pub loads: Vec<Load>,
     /// Pressures on walls that exert no net force.
     pub pressures: Vec<PressureSurface>,
-    /// Columns under names of their own.
+    /// Columns with names given by the assembly.
     pub columns: Vec<NamedColumn>,
     /// Markers of a measurement whose events have other names.
     pub markers: Vec<Marker>,
@@ -132,7 +132,7 @@ impl Assembly {
 }
 
 impl Assembly {
-    /// Gives the fasteners in a wood the table and the fitted law of a design, which no formula can give.
+    /// Assigns the table and the fitted law of a design to the fasteners in a wood. A formula cannot give these.
     pub fn set_resistance(&mut self, table: Option<&ForceTable>, fit: Option<&FittedLaw>) {
         for fastener in &mut self.fasteners {
             if let FastenerLaw::Wood(law) = &mut fastener.law {

@@ -67,7 +67,7 @@ pub enum JetQuantity {
     Temperature,
 }
 
-/// Event that a marker of a measurement stands for.
+/// Event that a marker of a measurement denotes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Marker {
     /// Name of the marker.

@@ -22,7 +22,7 @@ impl Space {
     }
 }
 
-/// What a motion is relative to, or a force reacts on.
+/// Reference of a motion, or object of the reaction of a force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Base {
     /// The body at rest.
@@ -76,7 +76,7 @@ pub struct BlockRef {
 pub struct Connection {
     /// The block.
     pub block: BlockRef,
-    /// Index of the body on which it acts.
+    /// Index of the body that it acts on.
     pub on: usize,
     /// The body that carries the reaction.
     pub against: Base,

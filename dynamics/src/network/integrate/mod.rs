@@ -1,4 +1,4 @@
-//! Segments between events, each of which is a smooth problem solved by diffsol.
+//! Segments between events. Each is a smooth problem solved by diffsol.
 //!
 //! A step may extend beyond an event, because the right-hand side of a mode is smooth everywhere. The event is then
 //! located on the solver's interpolant, the state is evaluated there, and the next segment starts in the new mode.
@@ -33,7 +33,7 @@ use super::tolerances::tolerances;
 use super::watch::Watch;
 use crate::{Method, WoodMotion};
 
-/// Number of points per step, including its end, at which conditions are checked.
+/// Number of points per step, including its end, where conditions are checked.
 const POINTS: usize = 2;
 /// Number of steps per second of the record after which a run is abandoned, but at least half a million.
 const STEP_LIMIT: usize = 500_000;
@@ -205,7 +205,7 @@ impl<'p> Run<'p> {
     fn is_through(&self) -> bool {
         match self.window {
             Some(end) => end - self.t <= SHORTEST,
-            // An event may lie at the last number before the end.
+            // An event may lie at the largest number below the end.
             None => self.t >= self.end * (1.0 - 4.0 * f64::EPSILON),
         }
     }

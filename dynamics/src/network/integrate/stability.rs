@@ -1,19 +1,19 @@
 //! Choice between an explicit and an implicit method, by the fastest time constant of the equations.
 //!
-//! An event restarts the multistep method at order 1 with very short steps, and many segments end before it reaches the
-//! step size that their motion permits: a bounce of the nose on the wood takes it 80 steps, and an explicit Runge-Kutta
-//! pair of order 5 takes 20. The pair is the better choice while accuracy limits its step. Where stability does, the
-//! implicit method continues. The limit follows from the spectral radius of the Jacobian (L. Petzold, Automatic
-//! selection of methods for solving stiff and nonstiff systems of ordinary differential equations, SIAM J. Sci. Stat.
-//! Comput. 4 (1983), 136-148).
+//! An event restarts the multistep method at order 1 with very short steps. Many segments end before it reaches the
+//! step size that their motion permits. A bounce of the nose on the wood takes 80 steps of this method, but only 20 of
+//! an explicit Runge-Kutta pair of order 5. The pair is the better choice while accuracy limits its step. If stability
+//! limits its step, the implicit method continues. The limit follows from the spectral radius of the Jacobian (L.
+//! Petzold, Automatic selection of methods for solving stiff and nonstiff systems of ordinary differential equations,
+//! SIAM J. Sci. Stat. Comput. 4 (1983), 136-148).
 
 use crate::network::equations::Problem;
 
 /// Longest stable step times spectral radius. The pair is stable for products up to 2.36 where eigenvalues are at least
-/// two degrees from the imaginary axis, and up to 3.5 on the negative real axis. An undamped motion grows by 2.6 % in a
-/// step at 2, which its error estimate does not admit.
+/// two degrees from the imaginary axis, and up to 3.5 on the negative real axis. At a product of 2, an undamped motion
+/// grows by 2.6 % in a step, which the error estimate of the pair does not permit.
 const STABLE: f64 = 2.0;
-/// Number of first-order first steps that must fit into a stable step. A step of the pair costs half as much again as
+/// Number of first-order first steps that must fit into a stable step. A step of the pair costs 1.5 times as much as
 /// one of the implicit method. The best value for the shipped tool is between 7 and 60 at tolerances of 1e-5 and 1e-7.
 const WORTHWHILE: f64 = 15.0;
 /// First step of the pair, relative to that of a first-order method with the same tolerance.
@@ -30,7 +30,7 @@ pub(super) struct Stability {
 }
 
 impl Stability {
-    /// The limit by the Jacobian that was evaluated last; none where the implicit method, whose first step is given, is
+    /// The limit by the Jacobian that was evaluated last; none if the implicit method, whose first step is given, is
     /// the better choice.
     pub(super) fn new(problem: &Problem<'_>, first: f64) -> Option<Self> {
         let limit = longest_stable_step(problem);

@@ -13,11 +13,11 @@ const CHATTER_WINDOW: f64 = 1e-3;
 /// Fraction of the dead volume below which a volume counts as vanished.
 const VANISHED: f64 = 1e-3;
 
-/// Compression beyond its law, as a fraction of it, that a spring may have due to the overlap of its stops.
+/// Permitted compression of a spring beyond its law due to the overlap of its stops, as a fraction of the limit.
 const SPRING_SLACK: f64 = 1e-9;
 
 impl Run<'_> {
-    /// Updates what depends on an accepted state: balances, peaks, limits of the model.
+    /// Updates the quantities that depend on an accepted state: balances, peaks, limits of the model.
     pub(super) fn accept(&mut self) -> Result<(), RunError> {
         if !self.fresh {
             self.plan.instant(&self.y, &self.mode, &mut self.w);

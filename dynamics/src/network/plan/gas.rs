@@ -26,14 +26,14 @@ pub(crate) struct VolumeLedger {
 #[derive(Debug, Clone)]
 pub(crate) struct FacePlan {
     pub(crate) gas: usize,
-    /// The volume that presses on it, and that which it sweeps.
+    /// The volume that presses on it, and the volume that it sweeps.
     pub(crate) pressed: Option<usize>,
     pub(crate) volume: Option<usize>,
     pub(crate) pair: Pair,
     pub(crate) area: f64,
     pub(crate) zero: f64,
     pub(crate) perimeter: f64,
-    /// Position of the work on the body, for a face of a volume; an own one for a face that does not sweep it.
+    /// Position of the work on the body, for a face of a volume; a separate one for a face that does not sweep it.
     pub(crate) work: Option<usize>,
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct TravelPlan {
     pub(crate) pair: Pair,
     pub(crate) sign: f64,
     pub(crate) at: f64,
-    /// Which of the two travels of the passage it is.
+    /// Index of this travel among the two of the passage.
     pub(crate) input: usize,
     /// Switch that is on while the restriction is open.
     pub(crate) switch: usize,

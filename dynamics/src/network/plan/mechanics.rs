@@ -3,7 +3,7 @@
 use crate::network::assembly::{ContactDamping, ForceLaw};
 use crate::network::resistance::ShankLaw;
 
-/// Two bodies between which a block acts; the ground has the index after the last body.
+/// Two bodies with a block between them; the ground has the index after the last body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Pair {
     pub(crate) on: usize,
@@ -31,10 +31,10 @@ pub(crate) struct ContactPlan {
     pub(crate) damping: ContactDamping,
     pub(crate) exponent: f64,
     pub(crate) may_pull: bool,
-    /// Whether it carries a workpiece that an external structure replaces, so that it does not act.
+    /// Whether it carries a workpiece that an external structure replaces. It then does not act.
     pub(crate) carries: bool,
-    /// For a contact with a dashpot on such a workpiece, switches that are on if it was open at the start of the window
-    /// and if it closed in the window; it then stays closed until the end of the window.
+    /// For a contact with a dashpot on such a workpiece, two switches. They are on if it was open at the start of the
+    /// window and if it closed in the window; it then remains closed until the end of the window.
     pub(crate) landing: Option<[usize; 2]>,
     pub(crate) switch: usize,
     pub(crate) loss: Option<usize>,
@@ -53,7 +53,7 @@ pub(crate) struct SpringPlan {
     /// Switch of a spring that only pushes.
     pub(crate) switch: Option<usize>,
     pub(crate) limit: Option<f64>,
-    /// Whether it carries a workpiece that an external structure replaces, so that it does not act.
+    /// Whether it carries a workpiece that an external structure replaces. It then does not act.
     pub(crate) carries: bool,
     pub(crate) loss: Option<usize>,
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! state = [y, v of each body | U of each volume | m of each volume | ledger]
 //! ```
-//! Bodies, volumes and blocks keep the order of the assembly, which is also the order of summation. The ground is the
+//! Bodies, volumes and blocks are in the order of the assembly, which is also the order of summation. The ground is the
 //! body after the last; reservoirs follow the volumes in the lists of pressures and temperatures.
 //!
 //! | part | modules |
@@ -29,7 +29,7 @@ pub(crate) use mechanics::{
     BodyPlan, ContactPlan, FastenerPlan, ForcePlan, FrictionPlan, HoldPlan, MotorPlan, Pair, SpringPlan,
 };
 
-/// Part of a fastener's length that its table of resistance may end before.
+/// Fraction of a fastener's length by which its table of resistance may be too short.
 const ROUNDING: f64 = 1e-9;
 
 /// A compiled assembly.
@@ -41,7 +41,7 @@ pub(crate) struct Plan {
     pub(crate) cp: f64,
     /// Constant temperature of a polytropic gas.
     pub(crate) temperature: Option<f64>,
-    /// Part of the work of a volume that its energy loses; 1 unless the gas is polytropic.
+    /// Fraction of the work of a volume that its energy loses; 1 unless the gas is polytropic.
     pub(crate) expansion: f64,
     /// Shortest delay of a flow \[s\]; infinite without one.
     pub(crate) shortest_delay: f64,
@@ -113,7 +113,7 @@ impl Plan {
         Self::compile(assembly, None)
     }
 
-    /// Compiles an assembly, of which an external structure may replace a body.
+    /// Compiles an assembly; an external structure may replace one of its bodies.
     pub(super) fn compile(assembly: &Assembly, driven: Option<usize>) -> Result<Self, RunError> {
         let full = assembly.ledger == Ledger::Full;
         let mut c = Compiler {

@@ -1,4 +1,4 @@
-//! Where the blocks of a fault are described, and what files closer to the design change of them.
+//! Locations of the blocks of a fault, and the changes to them in files closer to the design.
 
 use nailnoise_documents::Place;
 
@@ -29,7 +29,7 @@ impl<'n> Part<'n> {
         Self { family, name, fields }
     }
 
-    /// What determines the smallest size of a volume: its faces, and the stops of their bodies.
+    /// The blocks that determine the smallest size of a volume: its faces, and the stops of their bodies.
     pub(super) fn of_volume(assembly: &'n Assembly, index: usize) -> Vec<Self> {
         let Some(volume) = assembly.volumes.get(index) else {
             return Vec::new();
@@ -46,7 +46,7 @@ impl<'n> Part<'n> {
         parts
     }
 
-    /// What determines the compression of a spring: itself and the stops of its bodies.
+    /// The blocks that determine the compression of a spring: itself and the stops of its bodies.
     pub(super) fn of_spring(assembly: &'n Assembly, index: usize) -> Vec<Self> {
         let Some(spring) = assembly.springs.get(index) else {
             return Vec::new();
@@ -56,7 +56,7 @@ impl<'n> Part<'n> {
         std::iter::once(own).chain(stops).collect()
     }
 
-    /// What determines when passages are open: their seats and the stops of the bodies.
+    /// The blocks that determine when passages are open: their seats and the stops of the bodies.
     pub(super) fn of_passages(assembly: &'n Assembly, passages: [usize; 2]) -> Vec<Self> {
         let mut parts = Vec::new();
         for passage in passages.into_iter().filter_map(|index| assembly.passages.get(index)) {
@@ -103,7 +103,7 @@ impl<'n> Part<'n> {
             .collect()
     }
 
-    /// The blocks that determine the areas on which gas pushes a body.
+    /// The blocks that determine the areas where gas pushes a body.
     pub(super) fn of_faces(assembly: &'n Assembly, index: usize) -> Vec<Self> {
         let body = assembly.bodies.get(index);
         let body = body.map(|body| Self::new(Family::Body, &body.name, &["unbalanced"]));
@@ -149,7 +149,7 @@ pub struct PlacedBlock {
     pub path: String,
     /// Location.
     pub at: Box<Place>,
-    /// What files closer to the design change of what contributes to the error.
+    /// Changes, in files closer to the design, to blocks that contribute to the error.
     pub changes: Changes,
 }
 
@@ -170,7 +170,7 @@ impl From<RunError> for PlacedError {
 }
 
 impl AssemblyText {
-    /// Adds to the error of a run of this assembly where the block at fault is described.
+    /// Adds the location of the block at fault to the error of a run of this assembly.
     pub fn placed(&self, assembly: &Assembly, error: RunError) -> PlacedError {
         let found = error.block().and_then(|name| find(assembly, name));
         let block = found.and_then(|(table, block)| {
@@ -194,7 +194,7 @@ impl AssemblyText {
         PlacedError { error, block }
     }
 
-    /// What files closer to the design than the one of `of` change of these parts: new blocks, fields, keys that the
+    /// Changes to these parts in files closer to the design than the file of `of`: new blocks, fields, keys that the
     /// closest file gives, and removed blocks that refer to a part.
     pub(super) fn changes(&self, of: &Spot, parts: &[Part<'_>]) -> Changes {
         let mut search = Search {
@@ -320,7 +320,7 @@ impl Search<'_> {
             }
         } else if let Some(node) = text.values.get(name) {
             let node = node.get("value").unwrap_or(node);
-            // Most keys are given by the base of a design, which is not what the user changes.
+            // Most keys are given by the base of a design, and the user does not change the base.
             let nearest = text.sources.merged.last() == Some(&node.spot.document);
             if nearest && self.is_nearer(&node.spot) {
                 self.add(name.to_owned(), &node.spot);

@@ -16,7 +16,7 @@ pub(super) enum Compiled {
     Scalar(Scalar),
     /// A condition whose truth value is known.
     Truth(bool),
-    /// Conditions on the state, all of which must be satisfied.
+    /// Conditions on the state that must all be satisfied.
     Conditions(Vec<Comparison>),
     Word(Word),
 }

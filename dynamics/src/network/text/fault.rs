@@ -12,11 +12,11 @@ pub struct AssemblyError {
     pub fault: Fault,
     /// Location.
     pub at: Box<Place>,
-    /// What files closer to the design change of what contributes to the fault.
+    /// Changes, in files closer to the design, to blocks that contribute to the fault.
     pub changes: Box<Changes>,
 }
 
-/// A field, block or key that a file gives in place of that of the assembly which it changes.
+/// A field, block or key of a file that replaces one of the assembly that the file changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     /// Its full name.
@@ -54,7 +54,7 @@ impl AssemblyError {
     }
 }
 
-/// What is wrong with an assembly.
+/// A problem of an assembly.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// The file is not valid TOML.
@@ -143,7 +143,7 @@ pub enum Fault {
         help: String,
     },
     /// A name does not refer to anything.
-    #[error("names \"{name}\", which is no {wanted}")]
+    #[error("names \"{name}\", which is not a known {wanted}")]
     UnknownName {
         /// Name as given.
         name: String,
@@ -166,32 +166,32 @@ pub enum Fault {
         /// Words that exist.
         known: Vec<String>,
     },
-    /// A word of a block stands in place of the event that happens at it.
-    #[error("names \"{word}\", which is no event")]
+    /// A word of a block is given instead of the event that occurs with it.
+    #[error("names \"{word}\", which is not an event")]
     WordForEvent {
         /// Text as given.
         word: String,
         /// Words of the block.
         known: Vec<String>,
     },
-    /// A text gives a word of a block where a time is expected.
-    #[error("is \"{word}\", which is no time")]
+    /// A text gives a word of a block instead of a time.
+    #[error("is \"{word}\", which is not a time")]
     WordForTime {
         /// Text as given.
         word: String,
         /// Words of the block.
         known: Vec<String>,
     },
-    /// Words of a block stand in place of a condition.
-    #[error("is \"{word}\", which is no condition")]
+    /// Words of a block are given instead of a condition.
+    #[error("is \"{word}\", which is not a condition")]
     WordForCondition {
         /// Text as given.
         word: String,
         /// Words of the block.
         known: Vec<String>,
     },
-    /// A text gives words where an expression over channels is expected.
-    #[error("is \"{words}\", which is no expression")]
+    /// A text gives words instead of an expression over channels.
+    #[error("is \"{words}\", which is not an expression")]
     WordsForExpression {
         /// Text as given.
         words: String,
@@ -210,7 +210,7 @@ pub enum Fault {
     /// A name already has a meaning in formulas.
     #[error("has a name with a meaning of its own in formulas")]
     Reserved,
-    /// A declared key is a standard one, which has a domain of its own.
+    /// A declared key is a standard one, and its domain is already defined.
     #[error("declares a key that every assembly has, {allowed}")]
     StandardKey {
         /// Its domain in words.
@@ -295,7 +295,7 @@ pub enum Fault {
     LoadSum {
         /// Body.
         body: String,
-        /// What is missing or counted twice.
+        /// Forces that are missing or counted twice.
         differences: Vec<String>,
         /// Terms that correct it; empty if no term does.
         remedies: Vec<String>,

@@ -24,7 +24,7 @@ pub(super) struct Fields<'r, 'a> {
 }
 
 impl<'r, 'a> Fields<'r, 'a> {
-    /// Creates access to the fields of a table, all of which must be known.
+    /// Creates access to the fields of a table. All fields must be known.
     pub(super) fn new(
         resolver: &'r Resolver<'a>,
         path: String,
@@ -77,7 +77,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         dotted(&self.path, key)
     }
 
-    /// Location of a field, or of the table in which it is missing.
+    /// Location of a field, or of the table that does not contain it.
     fn spot(&self, key: &str) -> &'a Spot {
         &self.node.get(key).unwrap_or(self.node).spot
     }
@@ -249,8 +249,8 @@ impl<'r, 'a> Fields<'r, 'a> {
         self.chosen(key, words.iter().copied(), find)
     }
 
-    /// The meaning of a word: of a text, or of the value of a formula over keys, whose other branches must be words of
-    /// the field too.
+    /// The meaning of a word: of a text, or of the value of a formula over keys. The other branches of the formula must
+    /// be words of the field too.
     fn chosen<'w, T>(
         &self,
         key: &str,
@@ -349,7 +349,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         Ok(Some(Base::Body(body.index)))
     }
 
-    /// The body that carries the reaction; by default the one relative to which the travel of `on` is measured.
+    /// The body that carries the reaction; by default the reference body of the travel of `on`.
     pub(super) fn against(&self, on: usize, parents: &[Base]) -> Result<Base, AssemblyError> {
         let against = self
             .base("against")?

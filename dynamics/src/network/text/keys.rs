@@ -1,4 +1,4 @@
-//! Values of keys, to which formulas refer.
+//! Values of the keys that formulas refer to.
 
 use std::collections::BTreeMap;
 

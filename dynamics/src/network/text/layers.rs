@@ -184,7 +184,7 @@ impl AssemblyText {
         }
     }
 
-    /// Names of the surfaces of a body on which the assembly gives the force.
+    /// Names of the surfaces of a body whose forces are given by the assembly.
     pub fn surfaces(&self, body: &str) -> Vec<&str> {
         let loads = self.cycle.get("load").and_then(|loads| loads.get(body));
         let entries = loads.map_or(&[][..], Node::entries).iter();
@@ -192,7 +192,7 @@ impl AssemblyText {
         surfaces.map(|entry| entry.key.as_str()).collect()
     }
 
-    /// Checks that the surfaces of a body on which the assembly gives the force are among these.
+    /// Checks that the surfaces of a body whose forces are given by the assembly are among these.
     ///
     /// # Errors
     /// The first other one, with its location.
@@ -440,7 +440,7 @@ impl AssemblyText {
         })
     }
 
-    /// Adds the values of a group; a later file replaces a value and keeps its range and provenance.
+    /// Adds the values of a group; a later file replaces a value and retains its range and provenance.
     fn add_values(&mut self, path: &str, node: Node) {
         if node.is_table() && !node.is_literal_table() {
             if let Tree::Table(entries) = node.value {

@@ -2,7 +2,7 @@
 //!
 //! A file has three parts. `[cycle]` is the topology: blocks by family and name. `[keys.GROUP]` declares the assembly's
 //! own keys. All other groups give values of keys. A number of a block is a formula over keys ("=disc(piston.bore)") or
-//! a literal ("100 cm3", or a table with value, range and provenance); a literal is itself a key, named by its path
+//! a literal ("100 cm3", or a table with value, range and provenance). A literal is itself a key, named by its path
 //! (`cycle.volume.gas.dead`).
 
 mod blocks;

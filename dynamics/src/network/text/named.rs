@@ -12,7 +12,7 @@ const PROSE: [&str; 3] = ["text", "provenance", "note"];
 pub(super) struct NamedInTexts {
     /// Words with dots, as in formulas.
     words: BTreeSet<String>,
-    /// Groups of keys that a text names as a whole, as "=exhaust".
+    /// Groups of keys that a text names as a group, such as "=exhaust".
     groups: BTreeSet<String>,
 }
 

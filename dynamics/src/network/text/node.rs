@@ -176,8 +176,8 @@ impl Node {
         }
     }
 
-    /// Merges another table into this one: tables merge entry by entry, other values replace what they meet. `false`
-    /// removes an entry that is not itself a flag, `replace = true` clears a table first, and a bare value keeps the
+    /// Merges another table into this one: tables merge entry by entry, other values replace existing ones. `false`
+    /// removes an entry that is not itself a flag, `replace = true` clears a table first, and a bare value retains the
     /// range and provenance of the value that it replaces. Returns the entries that `false` removes; `path` is the full
     /// name of this table.
     pub(super) fn merge(&mut self, over: Self, path: &str) -> Vec<Removed> {
@@ -258,7 +258,7 @@ pub(super) fn entries(document: usize, table: &DeTable<'_>) -> Vec<Entry> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sources {
     pub(super) documents: Vec<Document>,
-    /// Indices of the documents in the order in which they are merged, the closest to the design last.
+    /// Indices of the documents in the order of the merge, the closest to the design last.
     pub(super) merged: Vec<usize>,
 }
 

@@ -16,7 +16,7 @@ use crate::network::assembly::Assembly;
 pub struct Resolved {
     /// The assembly.
     pub assembly: Assembly,
-    /// Numbers that its files give, in the order in which they are read.
+    /// Numbers that its files give, in the order of reading.
     pub literals: Vec<Literal>,
     /// Full names of the keys that its formulas use.
     pub keys: BTreeSet<String>,

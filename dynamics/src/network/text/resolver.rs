@@ -291,7 +291,7 @@ impl<'a> Resolver<'a> {
         Ok(Scalar::constant(si, dimension(kind)))
     }
 
-    /// Pressure of the atmosphere, to which gauge pressures refer \[Pa\].
+    /// Pressure of the atmosphere; gauge pressures are relative to it \[Pa\].
     fn ambient_pressure(&self, path: &str, node: &Node) -> Result<f64, AssemblyError> {
         const ATMOSPHERE: &str = "cycle.reservoir.atmosphere.pressure";
         if path == ATMOSPHERE {
@@ -505,7 +505,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// Whether formulas give a name a meaning of its own.
+/// Whether a name has a predefined meaning in formulas.
 fn is_reserved(name: &str) -> bool {
     matches!(name, "ground" | "key" | "pi" | "and" | "or" | "not")
 }

@@ -1,12 +1,12 @@
-//! Tables of fields: the contents of each block, from which its reader takes names, domains and examples, and from
-//! which the JSON schema of an assembly is made.
+//! Tables of fields: the contents of each block. Its reader takes names, domains and examples from them. The JSON
+//! schema of an assembly is also made from them.
 
 use nailnoise_quantities::Kind;
 
 /// The fields of a block, or of a table within it.
 #[derive(Debug)]
 pub struct TableSpec {
-    /// Name of what the table describes, as in "a field of a volume".
+    /// Name of the object that the table describes, as in "a field of a volume".
     pub name: &'static str,
     /// The fields with given names.
     pub fields: &'static [FieldSpec],
@@ -21,7 +21,7 @@ pub struct FieldSpec {
     pub name: &'static str,
     /// Type of its value.
     pub of: FieldType,
-    /// Example of its value, as in a file; empty where the type says enough.
+    /// Example of its value, as in a file; empty if the type is clear enough.
     pub example: &'static str,
     /// Description.
     pub text: &'static str,
@@ -32,7 +32,7 @@ pub struct FieldSpec {
 pub enum FieldType {
     /// A quantity of this dimension and domain: a literal, or a formula over keys.
     Quantity(Kind),
-    /// A plain number that is no key.
+    /// A plain number that is not a key.
     Number,
     /// A quantity of any dimension, a formula or a switch; or a group of these, which is layout only.
     Value,

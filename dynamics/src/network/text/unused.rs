@@ -43,9 +43,9 @@ impl Unused {
 }
 
 impl AssemblyText {
-    /// Blocks and own keys without an effect: triggers, reservoirs, names of `[cycle.let]` and keys of `[keys]` that no
-    /// file names. A block whose only user a nearer file removes or replaces is not among them: it stands in another
-    /// file, where it has its use.
+    /// Blocks and declared keys without an effect: triggers, reservoirs, names of `[cycle.let]` and keys of `[keys]`
+    /// that no file names. A block whose only user is removed or replaced by a nearer file is not among them, because
+    /// it has a use in another file.
     pub fn unused(&self) -> Vec<Unused> {
         let blocks = NAMED.iter().flat_map(|table| {
             let entries = self.cycle.get(table).map_or(&[][..], Node::entries).iter();

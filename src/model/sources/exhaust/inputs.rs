@@ -20,7 +20,7 @@ use crate::stages::microphones::JetOutlet;
 /// The openings of a design's tool.
 ///
 /// # Errors
-/// Air that cannot be, holes whose area is not that of the cycle, a muffler without losses.
+/// Impossible air, holes whose area differs from that of the cycle, a muffler without losses.
 pub(super) fn openings(design: &Design, engine: &Engine) -> Result<Openings, Error> {
     Ok(Openings {
         air: air(design)?,
@@ -62,7 +62,7 @@ fn of_keys(design: &Design) -> Result<Vec<NoisyOpening>, Error> {
     ])
 }
 
-/// The openings of an assembly, in its order. Its discharge coefficient is that of its passage.
+/// The openings of an assembly, in its order. The discharge coefficient of an opening is that of its passage.
 fn of_assembly(design: &Design, assembly: &Assembly) -> Result<Vec<NoisyOpening>, Error> {
     let opening = |own: &assembly::Opening| {
         let coefficient = match assembly.passages[own.passage].restrictions.get(own.restriction) {
@@ -89,7 +89,7 @@ fn of_assembly(design: &Design, assembly: &Assembly) -> Result<Vec<NoisyOpening>
     assembly.openings.iter().map(opening).collect()
 }
 
-/// A discharge coefficient for the jet: of one that depends on the pressure ratio, the middle of its range.
+/// A discharge coefficient for the jet. If it depends on the pressure ratio, the middle of its range is used.
 fn coefficient(restriction: &Restriction) -> f64 {
     match restriction.coefficient {
         Coefficient::RatioPolynomial { from, to, .. } => 0.5 * (from + to),

@@ -87,8 +87,8 @@ impl Source for ExhaustAir {
     }
 }
 
-/// Noise of the outflow in a shot. If the insertion loss of a muffler was measured, the holes sound in the same shot
-/// without that muffler.
+/// Noise of the outflow in a shot. If the insertion loss of a muffler was measured, the sound of the holes is that of
+/// the same shot without that muffler.
 fn outflow(shot: &ShotStages<'_>, cycle: &Stored<ShotRecord>, two_way: bool) -> Result<Stored<Outflow>, Error> {
     let unmuffled = without_measured_muffler(shot.context.design).map(|bare| {
         let context = Context {
@@ -123,11 +123,11 @@ fn without_measured_muffler(design: &Design) -> Option<Design> {
 }
 
 /// The noise of a cycle's openings one by one, which yields the sound at any place ([`ExhaustNoise::at`]): exhaust
-/// holes, a muffler's outlet if present, trigger vent. For a muffler of measured insertion loss, the cycle without it
-/// is computed too, one way.
+/// holes, a muffler's outlet if present, trigger vent. For a muffler with a measured insertion loss, the cycle without
+/// it is also computed, with one-way coupling.
 ///
 /// # Errors
-/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
+/// Impossible openings, plenum or muffler; air that leaves against a higher pressure.
 pub fn noise_of_openings(design: &Design, record: &ShotRecord) -> Result<Vec<ExhaustNoise>, Error> {
     let unmuffled = without_measured_muffler(design).as_ref().map(shot).transpose()?;
     let holes = unmuffled.as_ref().unwrap_or(record);

@@ -40,8 +40,8 @@ pub(crate) const CODE: Code = code!(
     stages_cycle
 );
 
-/// Uncertainty of the exhaust's level \[dB\]: the distance of the jet correlations from a published fit to measured
-/// millimetre jets at 6 atmospheres, the largest up to there.
+/// Uncertainty of the exhaust's level \[dB\]: the largest difference between the jet correlations and a published fit
+/// to measured millimetre jets, up to 6 atmospheres.
 const MODEL_BAND: f64 = 4.0;
 
 /// The basis of [`MODEL_BAND`] in words.
@@ -49,10 +49,10 @@ const MODEL_BASIS: &str = "distance of the jet correlations from a published fit
 
 /// Uncertainty of the level of jets that blow into a fitting \[dB\].
 ///
-/// The correlations are of free jets. In a pipe of some hole diameters, jets entrain gas that already moves, strike
-/// walls and bends of unknown position, and their quadrupoles drive cross modes instead of the open air. A decrease of
-/// the velocity difference by a tenth lowers their power by 3.7 dB (eighth power), and the scattering of jet noise at
-/// an edge raises it by a similar amount. The band of free jets is therefore widened by 2 dB either way.
+/// The correlations are for free jets. In a pipe of a few hole diameters, jets entrain gas that already moves, and
+/// strike walls and bends of unknown position. Their quadrupoles drive cross modes instead of the open air. A decrease
+/// of the velocity difference by a tenth lowers their power by 3.7 dB (eighth power), and the scattering of jet noise
+/// at an edge raises it by a similar amount. The band of free jets is therefore widened by 2 dB either way.
 const CONFINED_BAND: f64 = 6.0;
 
 /// The basis of [`CONFINED_BAND`] in words.
@@ -144,7 +144,7 @@ pub(crate) struct ExhaustDetails {
 }
 
 impl ExhaustDetails {
-    /// Checks that cycle and acoustics see the same flow, and those of the cycle without the muffler.
+    /// Checks that cycle and acoustics use the same flow, and the checks of the cycle without the muffler.
     pub(crate) fn checks(&self) -> impl Iterator<Item = Check> {
         let mass = Check::at_most(
             "exhaust: relative difference between the air mass of the jets and that of the cycle",
@@ -309,14 +309,14 @@ impl Stage for Exhaust {
 
 /// The noise of all openings from the shot's flow, and that of the vent if it is separate.
 ///
-/// The exhaust sounds in the shot `through_holes`, all other openings in `shot`; both are the same unless the insertion
-/// loss of a muffler was measured. Such a loss is the level without the muffler minus that with it, so it applies to
-/// holes that open into the air, in the shot without the muffler's back pressure. The measured loss includes the
-/// effects of back pressure and of the gas inside the muffler on the jets. The holes before a chamber blow into it,
-/// against its pressure and into outflow of their own stagnation temperature.
+/// The exhaust has the sound of the shot `through_holes`, all other openings that of `shot`. The two shots are the same
+/// unless the insertion loss of a muffler was measured. Such a loss is the level without the muffler minus that with
+/// it, so it applies to holes that open into the air, in the shot without the muffler's back pressure. The measured
+/// loss includes the effects of back pressure and of the gas inside the muffler on the jets. The holes before a chamber
+/// blow into it, against its pressure and into outflow at the stagnation temperature of the holes.
 ///
 /// # Errors
-/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
+/// Impossible openings, plenum or muffler; air that leaves against a higher pressure.
 pub(crate) fn noise(inputs: &Openings, through_holes: &ShotRecord, shot: &ShotRecord) -> Result<Outflow, Error> {
     let air = &inputs.air;
     let bare = ExhaustSettings {
@@ -326,7 +326,7 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &ShotRecord, shot: &ShotRe
         },
         ..ExhaustSettings::default()
     };
-    // Where the tool has an exhaust, the check and the second method are of its jets alone.
+    // If the tool has an exhaust, the check and the second method apply only to its jets.
     let of_exhaust = inputs.exhaust().is_some();
     let mut sum = JetSum::default();
     let (mut parts, mut openings, mut vent_alone) = (Vec::new(), Vec::new(), None);
@@ -453,7 +453,7 @@ struct MainJet {
     screech: Vec<Option<f64>>,
 }
 
-/// Mass of air below which the outflow is rounding and makes no jet; a shot discharges grams \[kg\].
+/// Mass of air below which the outflow is a rounding error and does not make a jet; a shot discharges grams \[kg\].
 const LEAST_MASS: f64 = 1e-9;
 
 /// The jets of several openings together.
@@ -504,7 +504,7 @@ impl ExhaustOutlet {
     }
 }
 
-/// The trigger vent as a sound of its own.
+/// The trigger vent as a separate sound.
 fn vent_alone(vent: &ExhaustNoise) -> Sound {
     Sound {
         spectrum: vent.spectrum.clone(),

@@ -153,7 +153,7 @@ impl FittingWall {
         })
     }
 
-    /// A source with the wall: part of the source, or of what is assigned to another one.
+    /// A source with the wall, which is part of the source or of the part that is assigned to another one.
     pub(super) fn assign<T>(&self, source: Apart<T>, wall: T, add: impl Fn(&T, &T) -> T) -> Apart<T> {
         let Some(to) = self.counts_to else {
             return Apart {
@@ -178,16 +178,16 @@ impl FittingWall {
         }
     }
 
-    /// The uncertainty of a body with this wall. The wall may not radiate at all: as a flexible pipe it follows the cap
-    /// only below its own modes. The sound that the two exchange is not in the sum of their energies either: as that of
-    /// parallel dipoles at the distance d it is at most
+    /// The uncertainty of a body with this wall. The wall may not radiate at all: a flexible pipe follows the cap only
+    /// below the modes of the pipe. The sum of their energies does not include the interaction of the two either. For
+    /// parallel dipoles at the distance d, it is at most
     ///
     /// ```text
     /// 2 g(kd) sqrt(E_b E_w),  g = min(1, 3/kd)
     /// ```
     ///
-    /// of either sign, because g bounds 3 (sin x/x + 2 cos x/x^2 - 2 sin x/x^3) of dipoles behind each other and half
-    /// of that side by side.
+    /// of either sign, because g bounds 3 (sin x/x + 2 cos x/x^2 - 2 sin x/x^3) for dipoles behind each other, and half
+    /// of that for dipoles side by side.
     pub(super) fn widened(&self, whole: &Sound, wall: &Sound, (air, range_hz): (&Air, [f64; 2])) -> Uncertainty {
         let spectrum = &wall.spectrum;
         let weights = energy_weights(&spectrum.frequency, range_hz, Weighting::A);

@@ -51,7 +51,7 @@ pub(crate) const CODE: Code = code!(
     stages_cycle
 );
 
-/// Name of the part of the source that counts to the exhaust by the convention of wrapping.
+/// Name of the part of the source that counts towards the exhaust by the convention of wrapping.
 const CAP: &str = "cap";
 
 /// Name of that part together with the wall of the exhaust's fitting.
@@ -82,7 +82,7 @@ pub(crate) struct HousingSound {
 pub(crate) struct HousingAtMicrophones {
     /// The whole.
     pub(crate) whole: Stored<ModalBem>,
-    /// Matrix with only the cap in motion, after each mode of the full body, if the cap counts to another source.
+    /// Matrix with only the cap in motion, after each mode of the full body, if the cap counts towards another source.
     pub(crate) cap: Option<Stored<ModalBem>>,
 }
 
@@ -141,7 +141,7 @@ impl HousingSound {
         }
     }
 
-    /// Energy and signals of its cap, if that counts to another source, and the name of that source.
+    /// Energy and signals of its cap, if that counts towards another source, and the name of that source.
     fn cap(&self) -> Result<Option<(PartOfSurface, &'static str)>, Error> {
         let housing = self.elastic.as_ref();
         let Some((housing, cap)) = housing.and_then(|housing| Some((housing, housing.cap.as_ref()?))) else {
@@ -152,7 +152,7 @@ impl HousingSound {
         Ok(Some((part, cap.counts_to)))
     }
 
-    /// The wall of the exhaust's fitting in the motion of the source, if there is one, and the uncertainty of both.
+    /// The wall of the exhaust's fitting, if any, in the motion of the source, and the uncertainty of both.
     fn wall(&self, whole: &mut Sound) -> Result<Option<(&FittingWall, WallSound)>, Error> {
         let Some(fitting) = &self.fitting else {
             return Ok(None);
@@ -289,7 +289,7 @@ impl HousingSound {
     }
 }
 
-/// The cap as a part that counts to a source: the error of the housing may be all in its cap.
+/// The cap as a part that counts towards a source. The error of the housing may be entirely in its cap.
 fn moved<T>(part: T, counts_to: &'static str) -> Moved<T> {
     Moved {
         to: counts_to.into(),

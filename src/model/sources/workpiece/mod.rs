@@ -5,7 +5,7 @@ pub(super) mod sound;
 
 use nailnoise_acoustics::radiation::radiator::Loading;
 
-use self::blow::{Blow, Ground};
+use self::blow::Blow;
 use self::sound::{CODE, NAME, WorkpieceRadiated, WorkpieceSound, WorkpieceSource};
 use super::{Compared, ImpedanceComparison, Source, SourceStages};
 use crate::chain::ShotStages;
@@ -88,15 +88,7 @@ impl Source for Workpiece {
         let impedance = (shot.radiators.acts == Loading::Full).then(|| compare_impedances(shot, &own));
         let support = supports::of(shot.context.design);
         let (words, flush) = (support.in_words(), support.open_faces() == OpenFaces::FlushTop);
-        let ground = if flush {
-            Ground::Sand
-        } else if support.bodies().is_empty() {
-            Ground::Other
-        } else {
-            Ground::Structure
-        };
-        let fastener = shot.motions.shot.fastener.as_ref();
-        let blow = fastener.map(|fastener| Blow::of(fastener, ground));
+        let blow = own.blow;
         Ok(SourceStages {
             source: &Workpiece,
             analysis: shot.analysis(own),
@@ -117,6 +109,8 @@ impl Source for Workpiece {
 
 /// Sound of workpiece and support in motion.
 fn emission(shot: &ShotStages<'_>, motions: Vec<Stored<BodyMotion>>) -> WorkpieceSound {
+    let fastener = shot.motions.shot.fastener.as_ref();
+    let support = supports::of(shot.context.design);
     WorkpieceSound {
         radiator: shot.radiators.workpiece.radiator.clone(),
         bodies: shot.bodies.structure_bodies(),
@@ -124,6 +118,7 @@ fn emission(shot: &ShotStages<'_>, motions: Vec<Stored<BodyMotion>>) -> Workpiec
         acts: shot.radiators.acts,
         loss_factors: shot.motions.structure.loss_factors.clone(),
         motions,
+        blow: fastener.map(|fastener| Blow::of(fastener, &*support)),
     }
 }
 

@@ -5,6 +5,7 @@ use nailnoise_acoustics::radiation::radiator::{Detail, FluidLoads, Loading, Movi
 use nailnoise_acoustics::signals::SourceSpectrum;
 use serde::Serialize;
 
+use super::blow::Blow;
 use crate::error::Error;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::Body;
@@ -55,6 +56,8 @@ pub(crate) struct WorkpieceSound {
     pub(crate) loss_factors: Vec<f64>,
     /// Motion of each body.
     pub(crate) motions: Vec<Stored<BodyMotion>>,
+    /// Model of the blow on the fastener in it; none without a fastener.
+    pub(super) blow: Option<Blow>,
 }
 
 impl WorkpieceSound {
@@ -76,7 +79,11 @@ impl WorkpieceSound {
                 spectra: &motion.spectra,
             })
             .collect();
-        Ok(Sound::from(self.radiator.get()?.sound(NAME, &moving, detail)?))
+        let mut sound = Sound::from(self.radiator.get()?.sound(NAME, &moving, detail)?);
+        if let Some(blow) = self.blow {
+            sound.uncertainty = blow.widened(sound.uncertainty, &sound.spectrum);
+        }
+        Ok(sound)
     }
 }
 

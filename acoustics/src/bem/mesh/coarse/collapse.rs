@@ -140,7 +140,7 @@ impl<'a> Collapse<'a> {
         for &t in &stay {
             let old = self.triangles[t]?;
             let k = old.corners.iter().position(|&c| c == u)?;
-            // On the far side of the same lines as the triangle removed on this side.
+            // The removed triangle on the same side of the lines gives the normal at `v`.
             let side = gone.iter().filter_map(|&g| self.triangles[g]);
             let likeness = |g: &Triangle| normal_at(g, u).map_or(f64::NEG_INFINITY, |n| n.dot(&old.normals[k]));
             let beside = side.max_by(|x, y| likeness(x).total_cmp(&likeness(y)))?;

@@ -10,12 +10,12 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Cosine of the largest angle between the normals at a point and of the panel that receives its volume flow, if there
-/// is such a panel.
+/// Cosine of the largest angle between the normal at a point and that of the panel that receives the point's volume
+/// flow; it applies only if such a panel exists.
 pub(super) const ALIKE: f64 = 0.5;
 
-/// Contribution of a panel of the finer surface to a panel of the coarser one: moments of the former's corner functions
-/// with the latter's.
+/// Contribution of a panel of the finer surface to a panel of the coarser one: moments of the corner functions of the
+/// former with those of the latter.
 type Given = (usize, [[f64; 4]; 3]);
 
 impl Boundary {

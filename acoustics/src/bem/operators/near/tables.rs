@@ -19,7 +19,7 @@ impl Sampled {
         Self::repeated(kind, points, 1, points.len())
     }
 
-    /// Repeats each point `each` times and the sequence up to `total` points: one side of a product rule.
+    /// Repeats each point `each` times, and the resulting sequence up to `total` points: one side of a product rule.
     pub(super) fn repeated(kind: FaceKind, points: &[[f64; 2]], each: usize, total: usize) -> Self {
         let padded = total.next_multiple_of(8);
         let (nodes, corners) = (kind.nodes(), kind.corners());

@@ -53,7 +53,7 @@ impl Images {
     }
 }
 
-/// The point of a pair that is the single one.
+/// Which point of a pair is the single one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Single {
     /// x: a row of the block.

@@ -5,8 +5,8 @@
 //! R <- R - Q Q^H R                                                                X = Z T^-1 Q^H B
 //! ```
 //!
-//! All right-hand sides share one subspace. Directions in which no residual exceeds the tolerance are omitted, so
-//! dependent patterns and patterns that converge early cost nothing. The residual is recomputed at the end.
+//! All right-hand sides share one subspace. A direction is omitted if no residual exceeds the tolerance in it.
+//! Dependent patterns, and patterns that converge early, therefore cost nothing. The residual is recomputed at the end.
 
 use super::operator::Compressed;
 use super::schwarz::Schwarz;
@@ -22,7 +22,7 @@ const COLUMNS: usize = 30;
 /// Directions are added until the remainder of every residual is below this fraction of it; smaller remainders do not
 /// pay off because one step reduces the residual less.
 const PART: f64 = 0.25;
-/// Alternatively, below this fraction of the tolerance.
+/// A remainder below this fraction of the tolerance also suffices.
 const SHARE: f64 = 0.3;
 
 type C32 = Complex<f32>;

@@ -88,7 +88,7 @@ pub(super) fn by_columns(
 }
 
 /// Applies `each` to all items; the results are in the order of the items. Runs in parallel, except on a thread of a
-/// pool that already works on several frequencies: if such a thread waited for part of one frequency, it would start
+/// pool that already works on several frequencies. If such a thread waited for part of one frequency, it would start
 /// further ones, each with its own matrix.
 pub(super) fn map_in_parallel<T: Send, R: Send>(items: Vec<T>, each: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
     if rayon::current_thread_index().is_some() {

@@ -26,9 +26,9 @@ pub(super) struct PanelPoints {
     corner_values: Vec<[f32; 4]>,
     /// Positions of the unknowns at each panel's corners (panels in order).
     places: Vec<[usize; 4]>,
-    /// For each position, the panels (by index in order) that carry its unknown.
+    /// For each position, the panels that carry its unknown, as indices in `panels`.
     around: Vec<Vec<u32>>,
-    /// For each leaf, the index in order of the first panel that it owns; followed by the number of panels.
+    /// For each leaf, the index in `panels` of the first panel that it owns, followed by the number of panels.
     owned: Vec<usize>,
     /// Centre of the body, the origin of the positions.
     pub(super) middle: Vector3<f64>,

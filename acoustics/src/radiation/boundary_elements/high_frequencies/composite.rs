@@ -88,7 +88,7 @@ impl CompositeRadiation {
         self.limit.hz()[0]
     }
 
-    /// Energy forms of the limit alone, where boundary-element results are also available.
+    /// Energy forms from the limit only, where boundary-element results are also available.
     pub(crate) fn limit_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
         let all = vec![1.0; frequency.len()];

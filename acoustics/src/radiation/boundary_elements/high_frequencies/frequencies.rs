@@ -17,8 +17,8 @@ const COMPARED: i32 = 2;
 /// Highest frequency at which the limit is evaluated \[Hz\]; it is constant above.
 const FARTHEST: f64 = 10e3;
 
-/// Frequencies at which the limit is compared with boundary elements \[Hz\]: the last is the centre of the last
-/// averaging band, the others are at least half their spacing below it.
+/// Frequencies at which the limit is compared with boundary elements \[Hz\]. The last one is the centre of the last
+/// averaging band; the others are at least half their spacing below it.
 fn compared(bands: &MeanBands) -> Vec<f64> {
     let last = bands.last_octaves();
     let octaves = (-COMPARED..).map(|i| f64::from(i) * LIMIT_OCTAVES);
@@ -44,8 +44,8 @@ pub(crate) struct Limit {
 }
 
 /// The limit of all parities. The last patch, which is added to those of the boundary, radiates nothing. A porous cover
-/// changes the power of each point as that of a plane wave; differences of phase between covered and bare faces are
-/// left out.
+/// changes the power of each point as that of a plane wave; phase differences between covered and bare faces are
+/// neglected.
 pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], bands: &MeanBands) -> Vec<Limit> {
     let air = problem.air();
     let faces = Faces::new(problem.boundary(), air.sound_speed / bands.upper_hz());

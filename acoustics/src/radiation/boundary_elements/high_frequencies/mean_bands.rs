@@ -4,7 +4,7 @@
 const WIDTH: f64 = 1.0 / 6.0;
 const SAMPLES: usize = 3;
 
-/// Octaves above the upper end of single frequencies in which averages still use the same mesh. Even with that mesh's
+/// Width in octaves of the range above single frequencies where averages still use the same mesh. Even with that mesh's
 /// four panels per wavelength, averages over a band scatter less than single frequencies do.
 const ON_SAME_MESH: f64 = 0.5;
 

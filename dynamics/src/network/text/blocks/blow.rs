@@ -28,7 +28,7 @@ pub(super) fn blows(resolver: &Resolver<'_>, fasteners: &[Fastener]) -> Result<V
             modulus: rod.required("modulus")?,
             density: rod.required("density")?,
         };
-        // A field, or what the law of a wood gives.
+        // A field, or the value from the law of a wood.
         let or_law = |fields: &Fields<'_, '_>, key: &str, of_law: fn(&WoodLaw) -> f64| {
             let given = fields.quantity(key)?.or(law.map(of_law));
             given.ok_or_else(|| fields.missing(key))

@@ -19,7 +19,8 @@ const OF_JET: [(&str, JetQuantity); 3] = [
     ("temperature", JetQuantity::Temperature),
 ];
 
-/// The columns that an assembly names. Those of a base go with the blocks and openings that a later file removes.
+/// The columns that an assembly names. If a later file removes a block or an opening, its columns in a base are removed
+/// too.
 pub(super) fn columns(resolver: &Resolver<'_>, sensors: &[Measured]) -> Result<Vec<NamedColumn>, AssemblyError> {
     let Some(node) = resolver.text.cycle.get("columns") else {
         return Ok(Vec::new());

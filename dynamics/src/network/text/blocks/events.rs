@@ -205,8 +205,8 @@ fn word(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Wor
     })
 }
 
-/// The restriction of a passage that logs an action: the one named, or the only one that can. Words of the passage as a
-/// whole do not name one.
+/// The restriction of a passage that logs an action: the one named, or the only one that can. Words of the passage
+/// itself do not name one.
 fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<usize> {
     if !action.is_of_restriction() {
         let is_gate = matches!(action, Action::GateOpens | Action::GateShuts);
@@ -251,7 +251,7 @@ fn block_of_words<'r, 'a>(resolver: &'r Resolver<'a>, text: &str) -> Option<&'r 
     resolver.names.find(name).filter(|_| is_words && !is_condition)
 }
 
-/// A name of no block that is followed by a word of the log.
+/// A name that is not that of a block, followed by a word of the log.
 fn word_of_unknown_block(resolver: &Resolver<'_>, text: &str) -> Option<Fault> {
     let (name, action) = text.trim().split_once(char::is_whitespace)?;
     let (name, _) = name.split_once('.').unwrap_or((name, ""));

@@ -14,7 +14,7 @@ use crate::network::text::resolver::Resolver;
 /// Largest difference of an opening's area from that of its restriction, as a fraction of it: dimensions are rounded.
 const AREA_TOLERANCE: f64 = 0.01;
 
-/// What the tables of `[cycle.load]` and `[cycle.pressure]` are named after.
+/// Family of the blocks that give the tables of `[cycle.load]` and `[cycle.pressure]` their names.
 const BODY: (Family, &str) = (Family::Body, "body");
 
 pub(super) fn openings(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Opening>, AssemblyError> {

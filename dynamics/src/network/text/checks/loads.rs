@@ -66,11 +66,11 @@ struct Sum<'r, 'a> {
     body: usize,
 }
 
-/// A force that the loads do not contain once.
+/// A force that the loads do not contain exactly once.
 struct Difference {
     /// The difference in words.
     text: String,
-    /// The term that corrects it, if there is one.
+    /// The term that corrects it, if any.
     remedy: Option<String>,
     /// Name of its block.
     block: String,
@@ -88,7 +88,8 @@ impl Acting {
         self.channel.quantity == Quantity::Gauge
     }
 
-    /// The difference, given what a unit of the channel adds to the loads and to the force on the body \[- or m2\].
+    /// The difference, given the contribution of one channel unit to the loads and to the force on the body \[- or
+    /// m2\].
     fn difference(&self, found: f64, expected: f64) -> Difference {
         let name = &self.name;
         let remedy = Some(self.term(expected - found));
@@ -105,7 +106,7 @@ impl Acting {
         }
     }
 
-    /// The term that corrects the loads by a share of the channel \[- or m2\].
+    /// The term that corrects the loads by a multiple of the channel \[- or m2\].
     fn term(&self, share: f64) -> String {
         let sign = if share < 0.0 { "-" } else { "+" };
         let name = &self.name;

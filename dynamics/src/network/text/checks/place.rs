@@ -5,8 +5,8 @@ use crate::network::text::changes::Part;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// The error for a block, given by name, with what files closer to the design change of the blocks that contribute to
-/// it.
+/// The error for a block, given by name, with the changes in files closer to the design to the blocks that contribute
+/// to it.
 pub(super) fn error_of(
     resolver: &Resolver<'_>,
     table: &str,

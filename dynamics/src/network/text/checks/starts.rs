@@ -9,7 +9,7 @@ use crate::network::text::resolver::Resolver;
 /// Energy that a stop may store at the start, as that of a preloaded buffer \[J\].
 const LARGEST: f64 = 10.0;
 
-/// Checks that a body rests on a contact or spring of its own, and starts neither deep inside a stop nor beyond the
+/// Checks that a body rests on one of its contacts or springs, and starts neither deep inside a stop nor beyond the
 /// head of the fastener that it drives.
 pub(super) fn check(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
     for (index, body) in assembly.bodies.iter().enumerate() {
@@ -39,7 +39,7 @@ pub(super) fn check(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), 
         .try_for_each(|own| check_head(resolver, assembly, own))
 }
 
-/// Checks that the head of a fastener is before its driver, which otherwise would never strike it.
+/// Checks that the head of a fastener is ahead of its driver. Otherwise the driver would never strike it.
 fn check_head(resolver: &Resolver<'_>, assembly: &Assembly, fastener: &Fastener) -> Result<(), AssemblyError> {
     let driver = &assembly.bodies[fastener.driver];
     let Start::At { travel, .. } = driver.start else {

@@ -23,7 +23,7 @@ pub(in crate::network::text) enum Term {
     /// pi d^2/4.
     Disc(Box<Self>),
     Function(Function, Vec<Self>),
-    /// The second where the condition over keys, the first, is satisfied, else the third.
+    /// The second if the first, a condition over keys, is satisfied; else the third.
     Either(Box<[Self; 3]>),
     Compare(Relation, Box<Self>, Box<Self>),
     And(Box<Self>, Box<Self>),

@@ -12,7 +12,7 @@ use crate::network::text::table::{TableSpec, field, flag, name_of, one_of, quant
 /// Impacts of a driver on a fastener, and whether the impact is plastic.
 pub(in crate::network::text::blocks) const IMPACTS: [(&str, bool); 2] = [("plastic", true), ("mass", false)];
 const IMPACT_WORDS: [&str; 2] = words(&IMPACTS);
-/// When a driver leaves a fastener, and whether it is when the work no longer pushes back.
+/// Words for the time when a driver leaves a fastener, and whether it is when the work no longer pushes back.
 pub(in crate::network::text::blocks) const LEAVES: [(&str, bool); 2] = [("reversal", false), ("unloaded", true)];
 const LEAVES_WORDS: [&str; 2] = words(&LEAVES);
 /// Laws of the resistance to a fastener.

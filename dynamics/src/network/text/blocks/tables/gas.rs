@@ -24,10 +24,10 @@ const LAWS: [&str; 2] = words(&LAW_WORDS);
 /// Laws of the gas, and whether it is polytropic.
 pub(in crate::network::text::blocks) const GASES: [(&str, bool); 2] = [("ideal", false), ("polytropic", true)];
 pub(in crate::network::text::blocks) const GAS_WORDS: [&str; 2] = words(&GASES);
-/// What the delay of a gate applies to, and whether that is the flow.
+/// Words for the object of the delay of a gate, and whether it is the flow.
 pub(in crate::network::text::blocks) const DELAYS: [(&str, bool); 2] = [("switching", false), ("flow", true)];
 const DELAY_WORDS: [&str; 2] = words(&DELAYS);
-/// When gas leaves the first space, and whether that is without the delay.
+/// Words for the time when gas leaves the first space, and whether it is without the delay.
 pub(in crate::network::text::blocks) const LEAVES: [(&str, bool); 2] = [("delayed", false), ("undelayed", true)];
 const LEAVE_WORDS: [&str; 2] = words(&LEAVES);
 /// A polytropic exponent.

@@ -15,7 +15,7 @@ const STIFFNESS: Kind = nonnegative(OF_STIFFNESS).within(0.0, 1e21);
 /// A damping ratio.
 const DAMPING_RATIO: Kind = nonnegative(NUMBER).within(0.0, 10.0);
 
-/// Sides on which a contact stops a body.
+/// Sides of the stop of a contact.
 pub(in crate::network::text::blocks) const STOPS: [(&str, Stop); 2] = [("below", Stop::Below), ("above", Stop::Above)];
 const STOP_WORDS: [&str; 2] = words(&STOPS);
 const ON: FieldSpec = name_of("on", BODY_NAME, "body on which the force acts");
