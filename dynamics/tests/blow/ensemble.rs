@@ -10,8 +10,8 @@ use super::{elastic_n80cb, third_octave};
 const BANDS: [f64; 4] = [5000.0, 6300.0, 8000.0, 10000.0];
 const SHOTS: usize = 16;
 
-/// Mean energies of the force on the wood in [`BANDS`] with some numbers of elements, over shots at pressures within 5 %
-/// of the design's.
+/// Mean energies of the force on the wood in [`BANDS`] with some numbers of elements, over shots at pressures within
+/// 5 % of the design's.
 fn mean_energies(elements: [usize; 2], shots: std::ops::Range<usize>) -> [[f64; 4]; 2] {
     let mut sums = [[0.0; 4]; 2];
     for k in shots {
