@@ -173,7 +173,7 @@ fn an_opening_leads_to_the_atmosphere_and_is_the_only_one_of_its_passage() {
         (
             "passage = \"port\"",
             "passage = \"inner\"",
-            "no passage to the atmosphere; there are: port",
+            "not a known passage to the atmosphere; there are: port",
         ),
         (
             "opening.port",
@@ -215,7 +215,7 @@ fn a_body_starts_outside_its_stops_and_rests_on_its_own() {
     );
     let message = refusal(&at("{ rest_on = \"c\" }"));
     assert!(
-        message.contains("no contact or spring of this body; did you mean \"a\"? there are: a, b"),
+        message.contains("not a known contact or spring of this body; did you mean \"a\"? there are: a, b"),
         "{message}"
     );
 }

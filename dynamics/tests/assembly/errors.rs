@@ -41,7 +41,7 @@ fn an_error_names_file_line_path_and_the_nearest_name() {
     assert_eq!((error.at.file(), error.at.line()), ("own.toml", 6));
     assert_eq!(error.path, "cycle.passage.leak.between");
     assert!(
-        message.contains("no volume or reservoir") && message.contains("did you mean \"below_piston\"?"),
+        message.contains("not a known volume or reservoir") && message.contains("did you mean \"below_piston\"?"),
         "{message}"
     );
 }
@@ -51,7 +51,7 @@ fn names_must_exist_and_be_unique() {
     refused(&[
         (
             "[cycle.body.piston]\nparent = \"tol\"",
-            &["no body", "did you mean \"tool\"?", "ground"],
+            &["not a known body", "did you mean \"tool\"?", "ground"],
         ),
         (
             "[cycle.trigger.released]\nset = \"gaurd opens\"",
@@ -59,11 +59,11 @@ fn names_must_exist_and_be_unique() {
         ),
         (
             "[cycle.passage.fill.open]\nwhen = \"pressed\"",
-            &["no trigger", "released"],
+            &["not a known trigger", "released"],
         ),
         (
             "[cycle.opening.vent]\npassage = \"went\"",
-            &["no passage", "did you mean \"vent\"?"],
+            &["not a known passage", "did you mean \"vent\"?"],
         ),
         (
             "[cycle.opening.exhaust]\nrestriction = \"hole\"",
@@ -73,7 +73,7 @@ fn names_must_exist_and_be_unique() {
             "[cycle.opening.exhaust]\npassage = \"leak\"",
             &["\"leak\" has a single restriction", "restriction = false"],
         ),
-        ("[cycle.event.t5]\nafter = \"t99\"", &["no event"]),
+        ("[cycle.event.t5]\nafter = \"t99\"", &["not a known event"]),
         (
             "[cycle.spring.seat]\non = \"piston\"\npush = \"up\"\nstiffness = \"1 N/mm\"",
             &["has the name of a contact"],
@@ -90,7 +90,7 @@ fn names_must_exist_and_be_unique() {
             "[cycle.force.push]\nif = true",
             &["\"arm\", which its `if` switches off", "the same `if`"],
         ),
-        ("[cycle.load.nose]\ntip = \"nose.force\"", &["no body"]),
+        ("[cycle.load.nose]\ntip = \"nose.force\"", &["not a known body"]),
         (
             "[cycle.event.t4]\nbecomes = \"nail hits\"",
             &[
@@ -108,7 +108,10 @@ fn names_must_exist_and_be_unique() {
         ),
         (
             "[cycle.event.t4]\nbecomes = \"exhast choked\"",
-            &["no block with the word \"choked\"", "did you mean \"exhaust\"?"],
+            &[
+                "not a known block with the word \"choked\"",
+                "did you mean \"exhaust\"?",
+            ],
         ),
         (
             "[cycle.event.t0]\nat = \"exhaust choked\"",

@@ -138,7 +138,7 @@ fn a_reference_to_what_a_file_removes_names_the_removal() {
 fn a_removal_of_what_does_not_exist_is_refused() {
     let (message, error) = refusal("[cycle.contact]\nbumpr = false");
     assert!(
-        message.contains("no contact that `false` could remove; did you mean \"bumper\"?"),
+        message.contains("not a known contact that `false` could remove; did you mean \"bumper\"?"),
         "{message}"
     );
     assert_eq!((error.at.file(), error.at.line()), ("own.toml", 4));

@@ -152,7 +152,7 @@ fn bars_that_are_incomplete_are_refused_at_their_place() {
         (
             "[cycle.blow.stapel]\nrod = { length = \"60 mm\" }\n",
             "cycle.blow.stapel",
-            ["no fastener", "did you mean \"staple\"?"],
+            ["not a known fastener", "did you mean \"staple\"?"],
         ),
     ] {
         let error = resolve("stapler", changes).unwrap_err();
