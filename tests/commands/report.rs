@@ -154,7 +154,11 @@ fn a_report_contains_notes_checks_digest_sensors_and_every_value_of_the_design()
     let (text, result) = (text(), &REPORT.1);
     for note in list(result, "notes").iter().chain(list(result, "method_notes")) {
         // A page sets a minus sign where the terminal has a hyphen, and begins a sentence with a capital.
-        let set = note.as_str().unwrap().replace(" -", " \u{2212}");
+        let set = note
+            .as_str()
+            .unwrap()
+            .replace(" -", " \u{2212}")
+            .replace("(-", "(\u{2212}");
         let (first, rest) = set.split_at(1);
         assert!(
             text.contains(&set) || text.contains(&(first.to_uppercase() + rest)),
