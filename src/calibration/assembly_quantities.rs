@@ -9,7 +9,7 @@ use nailnoise_dynamics::network::{Assembly, Record};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELOCITY, VOLUME};
 
-use super::quantities::at_rest_outside;
+use super::quantities::interpolated_clamped;
 use super::spread::{self, Spread};
 use crate::result::free_air;
 use crate::sensitivity::AssemblyOutput;
@@ -205,7 +205,8 @@ impl AssemblyQuantity {
         let sampled = |channel: String, at: &AssemblyMoment| {
             // A time from the trigger pull is within the longest record.
             let end = if at.event == START { f64::INFINITY } else { record.end };
-            let value = |event: f64| at_rest_outside(record.get(&channel)?, record.interval?, event + at.after, end);
+            let value =
+                |event: f64| interpolated_clamped(record.get(&channel)?, record.interval?, event + at.after, end);
             known(event(&at.event).and_then(value))
         };
         match self {

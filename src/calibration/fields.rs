@@ -49,7 +49,25 @@ pub(super) fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> R
     spread_by(table, key, &|text| measure(text, dimension))
 }
 
-/// The same with amounts read by `amount`.
+/// A spread that a table may leave out.
+pub(super) fn stated_spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Option<Spread>, KeyError> {
+    table.get(key).map(|_| spread(table, key, dimension)).transpose()
+}
+
+/// Index and error of the instrument of a reading; none if its table does not name one.
+pub(super) fn instrument_of(
+    table: &Keys<'_, '_>,
+    known: &[(String, Keys<'_, '_>)],
+    dimension: Dimension,
+) -> Result<Option<(usize, Spread)>, KeyError> {
+    if table.get("instrument").is_none() {
+        return Ok(None);
+    }
+    let instrument = named(table, "instrument", known)?;
+    Ok(Some((instrument, spread(&known[instrument].1, "error", dimension)?)))
+}
+
+/// The same as [`spread`] with amounts read by `amount`.
 pub(super) fn spread_by(
     table: &Keys<'_, '_>,
     key: &str,

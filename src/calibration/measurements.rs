@@ -8,6 +8,9 @@ use super::level_quantities::LevelQuantity;
 use super::quantities::Quantity;
 use crate::design::Design;
 
+/// Part of the variance of the model's error that all readings of a family have in common.
+pub(super) const COMMON: f64 = 0.5;
+
 /// The user's measurements.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Measurements {

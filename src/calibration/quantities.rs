@@ -333,7 +333,7 @@ impl Quantity {
                 .or(events[moment.event].map(|event| event + moment.after))
         };
         let sampled = |values: &[f64], moment: Moment| {
-            let value = |time: f64| at_rest_outside(values, record.sample_interval(), time, end);
+            let value = |time: f64| interpolated_clamped(values, record.sample_interval(), time, end);
             known(at(moment).and_then(value))
         };
         match *self {
@@ -370,7 +370,7 @@ impl Quantity {
 
 /// Value of a history at a time up to `end` \[s\]. Before the trigger pull and after a record that ended early, the
 /// tool is at rest.
-pub(super) fn at_rest_outside(values: &[f64], interval: f64, time: f64, end: f64) -> Option<f64> {
+pub(super) fn interpolated_clamped(values: &[f64], interval: f64, time: f64, end: f64) -> Option<f64> {
     let last = interval * values.len().checked_sub(1)? as f64;
     if time > end.max(last) {
         return None;
@@ -440,8 +440,8 @@ mod tests {
     }
 
     #[test]
-    fn a_tool_is_at_rest_before_its_shot_and_after_a_record_that_ended_early() {
-        let at = |time: f64| at_rest_outside(&[1.0, 3.0, 5.0], 0.5, time, 2.0);
+    fn values_outside_the_record_are_those_of_its_ends() {
+        let at = |time: f64| interpolated_clamped(&[1.0, 3.0, 5.0], 0.5, time, 2.0);
         assert_eq!(
             [-1.0, 0.25, 1.0, 1.5].map(at),
             [Some(1.0), Some(2.0), Some(5.0), Some(5.0)]

@@ -13,8 +13,8 @@ use toml::de::DeValue;
 
 use super::error::CalibrationError;
 use super::fields::{
-    MOST_SHOTS, Repeats, condition_of, error, mean_and_scatter, named, of_given, place, reading, repeated, spread,
-    tables, words,
+    MOST_SHOTS, Repeats, condition_of, error, instrument_of, mean_and_scatter, named, of_given, place, reading,
+    repeated, spread, stated_spread, tables, words,
 };
 use super::level_file::OfFile;
 use super::level_reader::OfLevel;
@@ -24,7 +24,7 @@ use super::measurements::{
 use super::next;
 use super::quantities::Quantity;
 use super::quantity_reader::QuantityReader;
-use super::trace::OfTrace;
+use super::trace::TraceReader;
 use crate::design::{Assignment, Design, DesignError};
 
 /// Name and version of the layout.
@@ -150,8 +150,8 @@ impl Reader<'_> {
                 };
                 levels.extend(at.measured(name, &mut notes)?);
                 tests.push(format!("{name}.method"));
-            } else if OfTrace::is_trace(table) {
-                let at = OfTrace {
+            } else if TraceReader::is_trace(table) {
+                let at = TraceReader {
                     table,
                     document,
                     assembly: self.assembly,
@@ -487,22 +487,18 @@ impl Of<'_, '_, '_> {
         if quantity.depends_on_the_hand() {
             notes.push(format!("`{name}` depends on hand and trigger, whose errors are wide"));
         }
-        let discrepancy = match table.get("discrepancy") {
-            Some(_) => spread(table, "discrepancy", dimension)?.at(repeats.typical),
-            None => quantity.discrepancy(repeats.typical),
-        };
+        let discrepancy = stated_spread(table, "discrepancy", dimension)?;
+        let discrepancy =
+            discrepancy.map_or_else(|| quantity.discrepancy(repeats.typical), |own| own.at(repeats.typical));
         if variance + discrepancy * discrepancy <= 0.0 {
             let help = "give the error as an amount: percentages of 0 are 0";
             return Err(table.error("error", "is 0 at this value", help));
         }
-        let instrument = match table.get("instrument") {
-            Some(_) => {
-                let instrument = named(table, "instrument", self.instruments)?;
-                let deviation = spread(&self.instruments[instrument].1, "error", dimension)?.at(repeats.typical);
-                Some(InstrumentError { instrument, deviation })
-            }
-            None => None,
-        };
+        let instrument = instrument_of(table, self.instruments, dimension)?;
+        let instrument = instrument.map(|(instrument, error)| InstrumentError {
+            instrument,
+            deviation: error.at(repeats.typical),
+        });
         Ok(Measured {
             name: name.to_owned(),
             condition,
@@ -532,13 +528,8 @@ impl Of<'_, '_, '_> {
         let get = |key: &str| table.get(key).map(|value| read(key, value)).transpose();
         let (value, most, least) = (get("value")?, get("at_most")?, get("at_least")?);
         of_given(table)?;
-        let scatter = match table.get("scatter") {
-            Some(_) => {
-                let typical = value.or(most).or(least).unwrap_or_default();
-                Some(spread(table, "scatter", dimension)?.at(typical))
-            }
-            None => None,
-        };
+        let scatter =
+            stated_spread(table, "scatter", dimension)?.map(|own| own.at(value.or(most).or(least).unwrap_or_default()));
         if let Some(list) = repeated(table, &read)? {
             let (mean, scatter) = mean_and_scatter(&list, |mean| quantity.scatter(mean));
             return Ok(Repeats {

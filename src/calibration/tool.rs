@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::error::CalibrationError;
 use super::figures::Figure;
-use super::measurements::{InstrumentError, Measured, Measurements};
+use super::measurements::{COMMON, InstrumentError, Measured, Measurements};
 use super::quantities::{END_OF_DRIVE, Family, Quantity};
 use super::shot::{Shot, assembly_of};
 use crate::design::{Derived, Design, Value};
@@ -292,7 +292,7 @@ pub(super) fn errors(
     of_model: Option<usize>,
     (keys, instrument): (usize, Option<&InstrumentError>),
 ) -> (f64, Vec<SharedError>) {
-    let common = if of_model.is_some() { 0.5 } else { 0.0 };
+    let common = if of_model.is_some() { COMMON } else { 0.0 };
     let scale = (error.powi(2) + (1.0 - common) * discrepancy.powi(2)).sqrt();
     let of_model = of_model.map(|variable| SharedError {
         variable,

@@ -7,8 +7,8 @@ use nailnoise_dynamics::network::Assembly;
 use nailnoise_quantities::dimension::{PRESSURE, TIME};
 use nailnoise_quantities::{measure, quantity};
 
-use super::fields::{condition_of, error, named, place, spread};
-use super::measurements::{Condition, InstrumentError, Measured};
+use super::fields::{condition_of, error, instrument_of, place, stated_spread};
+use super::measurements::{COMMON, Condition, InstrumentError, Measured};
 use super::quantities::Quantity;
 use super::quantity_reader::{OF_TRACE, QuantityReader};
 
@@ -44,7 +44,7 @@ const POINTS: usize = 8;
 const LATEST: f64 = 10.0;
 
 /// The table of a measurement that names a recorded history.
-pub(super) struct OfTrace<'a, 't, 'i> {
+pub(super) struct TraceReader<'a, 't, 'i> {
     pub(super) table: &'a Keys<'t, 'i>,
     pub(super) document: &'a Document,
     /// The assembly of the design; none for the tool of the keys.
@@ -61,7 +61,7 @@ struct History {
     values: Vec<f64>,
 }
 
-impl OfTrace<'_, '_, '_> {
+impl TraceReader<'_, '_, '_> {
     /// Whether a table names a recorded history.
     pub(super) fn is_trace(table: &Keys<'_, '_>) -> bool {
         let name = table.get("quantity").and_then(|own| own.get_ref().as_str());
@@ -91,30 +91,21 @@ impl OfTrace<'_, '_, '_> {
         }
         let dimension = template.dimension();
         let own = error(table, dimension)?;
-        let stated = match table.get("scatter") {
-            Some(_) => Some(spread(table, "scatter", dimension)?),
-            None => None,
-        };
+        let stated = stated_spread(table, "scatter", dimension)?;
         if stated.is_none() {
             notes.push(format!(
                 "`{name}` states no scatter between shots: that of its quantity is assumed"
             ));
         }
-        let discrepancy = match table.get("discrepancy") {
-            Some(_) => Some(spread(table, "discrepancy", dimension)?),
-            None => None,
-        };
-        let instrument = match table.get("instrument") {
-            Some(_) => Some(named(table, "instrument", self.instruments)?),
-            None => None,
-        };
+        let discrepancy = stated_spread(table, "discrepancy", dimension)?;
+        let instrument = instrument_of(table, self.instruments, dimension)?;
         let count = times.len() as f64;
         let point = |(number, time): (usize, f64)| {
             let value = history.at(time);
             let quantity = template.clone().after(time);
             let discrepancy = discrepancy.map_or_else(|| quantity.discrepancy(value), |own| own.at(value));
             let scatter = stated.map_or_else(|| quantity.scatter(value), |own| own.at(value));
-            let independent = if quantity.family().is_some() { 0.5 } else { 1.0 };
+            let independent = if quantity.family().is_some() { 1.0 - COMMON } else { 1.0 };
             let of_shot = scatter.powi(2) + independent * discrepancy.powi(2);
             let variance = own.at(value).powi(2) + count * of_shot - independent * discrepancy.powi(2);
             let error = variance.sqrt();
@@ -122,13 +113,10 @@ impl OfTrace<'_, '_, '_> {
                 let help = "give the error as an amount: percentages of 0 are 0";
                 return Err(table.error("error", "is 0 at a point of the history", help));
             }
-            let instrument = match instrument {
-                Some(place) => Some(InstrumentError {
-                    instrument: place,
-                    deviation: spread(&self.instruments[place].1, "error", dimension)?.at(value),
-                }),
-                None => None,
-            };
+            let instrument = instrument.map(|(instrument, error)| InstrumentError {
+                instrument,
+                deviation: error.at(value),
+            });
             Ok(Measured {
                 name: format!("{name}-{}", number + 1),
                 condition,
