@@ -9,7 +9,7 @@ use nailnoise_dynamics::network::{Assembly, Record};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS, PRESSURE, TIME, VELOCITY, VOLUME};
 
-use super::quantities::interpolated_clamped;
+use super::history::interpolated_clamped;
 use super::spread::{self, Spread};
 use crate::result::free_air;
 use crate::sensitivity::AssemblyOutput;

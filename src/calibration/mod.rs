@@ -9,6 +9,7 @@ mod error;
 mod fields;
 mod figures;
 mod files;
+mod history;
 mod joint;
 mod key;
 mod level_bands;
