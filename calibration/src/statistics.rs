@@ -110,6 +110,16 @@ pub fn resampled(weights: &[f64], n: usize, uniform: f64) -> Vec<usize> {
     chosen
 }
 
+/// Mean of numbers; 0 of none.
+pub(crate) fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for number in numbers {
+        sum += number;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,13 +9,17 @@ import os
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
+from ._cluster import Cluster
 from ._design import Design, load
 from ._results import _Shown
 from ._tables import table
 from ._work import Cache, Progress, _cache, _reporter, _shown
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 #: Files of a calibrated design: the design, and the joint draws that it names.
 _DESIGN, _JOINT = "calibrated.toml", "calibrated.draws"
@@ -133,6 +137,7 @@ def calibrate(
     next: bool = False,
     levels: int = 128,
     redraw: Sequence[Literal["board", "nails", "support"]] = (),
+    client: Client | None = None,
     out: str | os.PathLike[str] | None = None,
     cache: Cache = None,
     store: str | os.PathLike[str] | None = None,
@@ -144,9 +149,14 @@ def calibrate(
     what the calibrated design draws from the ranges of the design, for shots with others than those measured. ``out`` is a folder for
     the calibrated design and its joint draws; without it they are in a temporary folder that lives as long as the result. ``store`` is a
     folder that keeps candidates and draws in place of the cache; a calibration that was cut off continues from there.
+    With ``client`` the workers of a cluster of Dask compute the shots of the sampler; measured levels are computed here.
     """
     own = tempfile.TemporaryDirectory(prefix="nailnoise-calibrated-") if out is None else None
     folder = Path(own.name if own is not None else os.fspath(out or "")).absolute()
+    tasks, workers = None, 0
+    if client is not None and measured is not None:
+        cluster = Cluster(client, None, "", None)
+        tasks, workers = cluster.of_calibration(design, Path(measured).absolute(), draws, seed), cluster.threads()
     files = _native.calibrate(
         design._native,
         None if measured is None else os.fspath(measured),
@@ -162,5 +172,7 @@ def calibrate(
         *_cache(cache),
         None if store is None else os.path.abspath(store),
         _reporter(_shown(progress)),
+        tasks,
+        workers,
     )
     return Calibration(files, folder, own)

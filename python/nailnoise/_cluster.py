@@ -46,8 +46,9 @@ class Sent:
     files: tuple[tuple[str, bytes], ...]
 
     @classmethod
-    def of(cls, design: Design) -> Sent:
-        paths = [Path(os.path.abspath(file)) for file in design._native.files()]
+    def of(cls, design: Design, more: Sequence[str | os.PathLike[str]] = ()) -> Sent:
+        """``more`` are files that travel with those of the design."""
+        paths = [Path(os.path.abspath(file)) for file in [*design._native.files(), *more]]
         files = tuple((str(path), path.read_bytes()) for path in paths if path.is_file())
         return cls(os.path.abspath(design.path), design.digest, tuple(design._values.items()), files)
 
@@ -58,16 +59,19 @@ class Sent:
         """The design on a worker: from its own place where that is shared, else from copies side by side as they were."""
         return _received(self)
 
+    def place(self, path: str) -> Path:
+        """The place of one of the files on a worker."""
+        if self._stands_here():
+            return Path(path)
+        return _own_folder() / "designs" / self.digest[:16] / Path(path).relative_to(Path(path).anchor)
+
 
 @lru_cache(maxsize=8)
 def _received(sent: Sent) -> Design:
-    path = Path(sent.path)
     if not sent._stands_here():
-        place = _own_folder() / "designs" / sent.digest[:16]
         for name, data in sent.files:
-            _write(place / Path(name).relative_to(Path(name).anchor), data)
-        path = place / path.relative_to(path.anchor)
-    design = load(path, dict(sent.values))
+            _write(sent.place(name), data)
+    design = load(sent.place(sent.path), dict(sent.values))
     if design.digest != sent.digest:
         raise RuntimeError(f"{sent.path} is another design on this worker; bases and meshes need paths relative to their design")
     return design
@@ -167,6 +171,18 @@ def draws(sent: Sent, study: tuple[int, int, int | None], task: tuple[int, int],
     return _end(shared, folder, names, stated=True)
 
 
+@lru_cache(maxsize=4)
+def _calibration(sent: Sent, measured: str, draws: int, seed: int) -> _native.CalibrationWorker:
+    design = sent.design()
+    return _native.CalibrationWorker(design._native, sent.place(measured), draws, seed)
+
+
+def shots(sent: Sent, measured: str, draws: int, seed: int, points: bytes) -> bytes:
+    """Task: the shots of points that a calibration proposes."""
+    _begin(None, [])
+    return _calibration(sent, measured, draws, seed).result(points)
+
+
 def trial(sent: Sent, key: str, values: dict[str, Any], constraints: Sequence[Any], shared: str | None, *received: Files) -> Any:
     """Task: a design that an optimiser proposes, with its figures and how far it is beyond each constraint."""
     return try_design(sent.design(), key, values, constraints, _begin(shared, received))
@@ -253,6 +269,16 @@ class Cluster:
     def shots(self, design: Design, n: int, seed: int) -> None:
         """Computes the shots of drawn designs."""
         self.screen(self.share(Sent.of(design)), "shots", seed, n)
+
+    def of_calibration(self, design: Design, measured: Path, draws: int, seed: int) -> Callable[[list[bytes]], list[bytes]]:
+        """A function that computes tasks of a calibration."""
+        sent = self.share(Sent.of(design, _native.measurement_files(design._native, measured)))
+
+        def results(tasks: list[bytes]) -> list[bytes]:
+            futures = [self.submit(shots, sent, str(measured), draws, seed, points) for points in tasks]
+            return [future.result() for future in futures]
+
+        return results
 
     def levels(self, designs: Sequence[Design]) -> None:
         """Computes the levels of designs; those that share their structures wait for the first of them."""

@@ -55,6 +55,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tasks::levels_task, module)?)?;
     module.add_function(wrap_pyfunction!(tasks::structures, module)?)?;
     module.add_function(wrap_pyfunction!(calibrate::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate::measurement_files, module)?)?;
+    module.add_class::<calibrate::NativeWorker>()?;
     module.add_function(wrap_pyfunction!(measure::measure, module)?)?;
     module.add_function(wrap_pyfunction!(measure::test_energies, module)?)?;
     module.add_function(wrap_pyfunction!(penetration::penetration_names, module)?)?;

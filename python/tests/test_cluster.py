@@ -81,6 +81,47 @@ def test_trials_on_a_cluster_are_those_of_their_seed_and_batch(drawn: nn.Design,
     assert found[0].best is not None and found[0].best.figures["total"] == found[1].best.figures["total"]
 
 
+MEASURED = """
+schema = "nailnoise-calibration/1"
+[condition]
+90 = { set = { "supply.pressure" = "90 psig" }, outcome = ["drives", "underdriven", "overdriven"] }
+[measured]
+depth = { condition = "90", quantity = "head_depth", value = "-3 mm", error = "1 mm", shots = 5 }
+rise = { condition = "90", quantity = "pressure", of = "above_piston", file = "p1.csv", align = "t6", points = 2, error = "3 %" }
+"""
+
+
+def test_a_calibration_is_that_of_one_process(drawn: nn.Design, client: Client, tmp_path: Path) -> None:
+    measured = tmp_path / "shots.toml"
+    measured.write_text(MEASURED)
+    (tmp_path / "p1.csv").write_text("time [ms],p1 [kPa]\n0,400\n1,430\n")
+    alone = nn.calibrate(drawn, measured, draws=64, moves=3, cache=False)
+    spread = nn.calibrate(drawn, measured, draws=64, moves=3, cache=False, client=client)
+    assert spread.json == alone.json and spread.csv == alone.csv
+
+
+def test_a_worker_refuses_tasks_of_another_calibration(drawn: nn.Design, tmp_path: Path) -> None:
+    from nailnoise import _native
+
+    measured = tmp_path / "shots.toml"
+    measured.write_text(MEASURED)
+    (tmp_path / "p1.csv").write_text("time [ms],p1 [kPa]\n0,400\n1,430\n")
+    tasks: list[bytes] = []
+
+    def keep(given: list[bytes]) -> list[bytes]:
+        tasks.extend(given)
+        raise RuntimeError("no workers")
+
+    others = _native.CalibrationWorker(drawn._native, measured, 64, 2)
+    with pytest.raises(RuntimeError, match="no workers"):
+        _native.calibrate(
+            drawn._native, str(measured), 64, 3, 1, [], "leave-out", False, 128, [], str(tmp_path), None, False, None, None, keep, 2
+        )
+    assert len(tasks) == 2
+    with pytest.raises(nn.NailnoiseError, match="another version"):
+        others.result(tasks[0])
+
+
 def test_the_command_reaches_a_scheduler(drawn: nn.Design, client: Client, tmp_path: Path) -> None:
     environment = dict(os.environ, NAILNOISE_CACHE=str(tmp_path / "cache"), NAILNOISE_PYTHON=sys.executable)
 

@@ -277,7 +277,7 @@ impl Check<'_> {
         };
         let own = Tool::new(self.design, &measured, request.seed)?;
         // Number and seed determine the truth and its readings.
-        let digest = key(self.design, &own, &measured, &request)
+        let digest = key(self.design, &own, &measured, (request.draws, request.seed))
             .with(&self.held_out)
             .with(&request.moves)
             .with(&seed)
@@ -299,13 +299,14 @@ impl Check<'_> {
         for (own, reading) in measured.data.iter_mut().zip(readings) {
             own.reading = reading;
         }
-        let key = key(self.design, &own, &measured, &request);
+        let key = key(self.design, &own, &measured, (request.draws, request.seed));
         let calibration = Calibration {
             tool: own,
             measured: &measured,
             request: &request,
             store: self.store,
             key,
+            workers: None,
             progress: self.progress,
         };
         let posterior = calibration.posterior(self.held_out.clone())?;

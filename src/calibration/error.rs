@@ -68,6 +68,12 @@ pub enum CalibrationError {
         /// Its frequency \[Hz\].
         hz: f64,
     },
+    /// A worker of a cluster computes another calibration.
+    #[error("a worker has another version of the program, or reads another design or other measurements")]
+    OtherCalibration,
+    /// The workers of a cluster did not return the results of their tasks.
+    #[error("the workers returned no results")]
+    NoResults,
     /// No key of the design that affects the cycle has a range.
     #[error("no key that takes part in the nailing cycle has a range, so that there is nothing to calibrate")]
     NoVariables,
@@ -105,6 +111,8 @@ impl Diagnostic for CalibrationError {
             Self::Unresolved { .. } => {
                 Box::new("lower `modes_up_to`: at most 8 nodal lines across the grain, 5 along it")
             }
+            Self::OtherCalibration => Box::new("install the same version of nailnoise on all workers"),
+            Self::NoResults => Box::new("read the log of the workers; repeating the call continues at the last move"),
             Self::NoVariables => Box::new("give keys a range, as { value = \"131 g\", range = \"+-5 %\" }"),
         })
     }

@@ -1,14 +1,13 @@
 //! What determines the draws of a calibration.
 
 use super::measurements::Measurements;
-use super::posterior::Request;
 use super::tool::Tool;
 use crate::design::Design;
 use crate::stages::code;
 use crate::store::Key;
 
 /// Key of candidates and draws: everything except which readings are used.
-pub(super) fn key(design: &Design, tool: &Tool, measured: &Measurements, request: &Request) -> Key {
+pub(super) fn key(design: &Design, tool: &Tool, measured: &Measurements, (draws, seed): (usize, u64)) -> Key {
     let variables: Vec<String> = tool.sampler.variables().iter().map(|own| format!("{own:?}")).collect();
     let conditions: Vec<String> = measured.conditions.iter().map(|own| own.design.digest()).collect();
     let data = format!("{:?} {:?} {:?}", measured.data, measured.correlations, measured.direct);
@@ -26,6 +25,6 @@ pub(super) fn key(design: &Design, tool: &Tool, measured: &Measurements, request
         .with(&shown)
         .with(&data)
         .with(&design.study().require)
-        .with(&request.draws)
-        .with(&request.seed)
+        .with(&draws)
+        .with(&seed)
 }

@@ -1,6 +1,7 @@
 //! Measurements of a tool: conditions, instruments and readings in SI units, independent of their file.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use nailnoise_calibration::likelihood::Reading;
 
@@ -28,6 +29,8 @@ pub(super) struct Measurements {
     pub(super) correlations: Vec<Correlation>,
     /// Minutes that a further measurement takes, by the name of its quantity, in place of the usual ones.
     pub(super) effort: BTreeMap<String, f64>,
+    /// Other files that contain readings.
+    pub(super) files: Vec<PathBuf>,
     /// Assumptions about readings that the user should know.
     pub(super) notes: Vec<String>,
 }

@@ -10,6 +10,7 @@ mod fields;
 mod figures;
 mod files;
 mod history;
+mod inputs;
 mod joint;
 mod key;
 mod level_bands;
@@ -33,10 +34,9 @@ mod shown;
 mod spread;
 mod start;
 mod structures;
+mod tasks;
 mod tool;
 mod trace;
-#[cfg(test)]
-mod twins;
 
 use std::path::Path;
 
@@ -53,6 +53,9 @@ pub use result::{
 pub use structures::{
     ModeRow, PeakRow, PlateInput, PlateResult, StructuresRequest, StructuresResult, calibrate_structures,
 };
+pub use tasks::{Worker, Workers, files_of};
+
+use inputs::Inputs;
 
 use crate::design::{Assignment, Design};
 use crate::error::Error;
@@ -60,14 +63,11 @@ use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::store::Store;
 
-/// Name of the measurements if there are none.
-const NO_MEASUREMENTS: &str = "no measurements";
-
 /// Calibrates the design in a file, with further assignments, using the measurements in another file. Without
 /// measurements the draws are those of the ranges.
 ///
 /// Completed blocks of candidates and completed moves of the sampler are stored, so that repeating the call resumes an
-/// interrupted one.
+/// interrupted one. `workers` compute their shots; without them, the threads of this process do.
 ///
 /// # Errors
 /// The first fault in the design or the measurements, with its place; or if no candidate has the observed outcomes.
@@ -76,7 +76,7 @@ pub fn calibrate(
     design: &Design,
     assignments: &[Assignment],
     measured: Option<&Path>,
-    request: &Request,
+    (request, workers): (&Request, Option<&dyn Workers>),
     progress: &Progress,
 ) -> Result<(CalibrationResult, Files), Error> {
     let Inputs {
@@ -86,13 +86,14 @@ pub fn calibrate(
         held_levels,
     } = Inputs::read(design, assignments, measured, request)?;
     let tool = tool::Tool::new(design, &measured, request.seed)?;
-    let key = key::key(design, &tool, &measured, request);
+    let key = key::key(design, &tool, &measured, (request.draws, request.seed));
     let calibration = posterior::Calibration {
         tool,
         measured: &measured,
         request,
         store,
         key,
+        workers,
         progress,
     };
     let mut posterior = calibration.posterior(held_out)?;
@@ -172,75 +173,4 @@ pub fn check(
     };
     before(check.cost(asked.runs)?);
     check.run(asked.runs, asked.folder)
-}
-
-/// The measurements of a call.
-struct Inputs {
-    /// Name of their file.
-    file: String,
-    measured: measurements::Measurements,
-    /// Readings of the cycle that are only predicted, and levels.
-    held_out: Vec<usize>,
-    held_levels: Vec<usize>,
-}
-
-impl Inputs {
-    fn read(
-        design: &Design,
-        assignments: &[Assignment],
-        measured: Option<&Path>,
-        request: &Request,
-    ) -> Result<Self, Error> {
-        if let Some(joint) = &design.study().draws {
-            let measured = joint.measured.clone();
-            return Err(CalibrationError::Calibrated { measured }.into());
-        }
-        let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
-        let assembly = shot::assembly_of(design)?;
-        let reader = reader::Reader {
-            design,
-            assembly: assembly.as_ref(),
-            with: &with,
-        };
-        let file = measured.map_or_else(|| NO_MEASUREMENTS.to_owned(), |path| path.display().to_string());
-        let measured = match measured {
-            Some(path) => reader.read(&reader::text(path)?)?,
-            None => measurements::Measurements::default(),
-        };
-        let held_out = request.hold_out.iter().map(|name| {
-            let known = measured.data.iter().map(|own| own.name.as_str());
-            let known = known.chain(measured.levels.iter().map(|own| own.name.as_str()));
-            // The readings of a file have the name of its measurement with a suffix.
-            let is_held = |own: &str| {
-                let rest = own.strip_prefix(name.as_str());
-                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
-            };
-            let exact = known.clone().position(|own| own == name);
-            let places: Vec<usize> = match exact {
-                Some(place) => vec![place],
-                None => (0..)
-                    .zip(known.clone())
-                    .filter(|(_, own)| is_held(own))
-                    .map(|(place, _)| place)
-                    .collect(),
-            };
-            match places.is_empty() {
-                false => Ok(places),
-                true => Err(CalibrationError::HeldOut {
-                    name: name.clone(),
-                    known: known.collect::<Vec<_>>().join(", "),
-                }),
-            }
-        });
-        let held_out = held_out.collect::<Result<Vec<Vec<usize>>, _>>()?.concat();
-        let of_cycle = measured.data.len();
-        let (held_out, held_levels): (Vec<usize>, Vec<usize>) = held_out.into_iter().partition(|&own| own < of_cycle);
-        let held_levels: Vec<usize> = held_levels.into_iter().map(|own| own - of_cycle).collect();
-        Ok(Self {
-            file,
-            measured,
-            held_out,
-            held_levels,
-        })
-    }
 }

@@ -6,16 +6,19 @@
 //! errors of these readings are finally multiplied by the factor at which they agree.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nailnoise_acoustics::random::uniform;
 use nailnoise_calibration::conflict::{self, Conflict, Pressed, Unreached};
 use nailnoise_calibration::likelihood::Likelihood;
-use nailnoise_calibration::sampler::{Diagnostics, Sampler, Settings, State};
+use nailnoise_calibration::sampler::{Diagnostics, Proposal, Sampler, Settings, State};
 use nailnoise_calibration::statistics::log_mean_exp;
 
+use super::error::CalibrationError;
 use super::measurements::Measurements;
 use super::redraw::Redrawn;
-use super::start::Start;
+use super::start::{Start, Tried, tried};
+use super::tasks::{POINTS, Points, Workers, distributed};
 use super::tool::{Tool, likelihood};
 use crate::error::Error;
 use crate::stages::{Digest, Postcard, Progress};
@@ -119,6 +122,8 @@ pub(super) struct Calibration<'a> {
     pub(super) store: &'a Store,
     /// Key of everything except which readings are used.
     pub(super) key: Key,
+    /// Other processes that compute the shots.
+    pub(super) workers: Option<&'a dyn Workers>,
     pub(super) progress: &'a Progress,
 }
 
@@ -187,20 +192,40 @@ impl Calibration<'_> {
         let mut start: Start = self.store.load::<Start, Postcard>(START, &key).unwrap_or_default();
         let blocks = std::cell::Cell::new(0_u64);
         let want = self.request.draws;
+        let tasks = self.workers.map_or(1, Workers::count).max(1) as u64;
         start.complete(
             &self.tool,
             &likelihood,
             want,
-            self.request.seed,
-            self.progress,
+            |first| self.tried(&likelihood, held_out, first..first + tasks * POINTS as u64),
             |start| {
-                blocks.set(blocks.get() + 1);
-                if blocks.get().is_multiple_of(BLOCKS) || start.accepted.len() == want {
+                self.progress.done(start.accepted.len() as u64, want as u64);
+                blocks.set(blocks.get() + tasks);
+                if blocks.get() >= BLOCKS || start.accepted.len() == want {
+                    blocks.set(0);
                     self.store.save::<_, Postcard>(START, &key, start);
                 }
             },
         )?;
         Ok(start)
+    }
+
+    /// Candidates by their indices, tried here or by the workers.
+    fn tried(
+        &self,
+        likelihood: &Likelihood,
+        left_out: &[usize],
+        indices: Range<u64>,
+    ) -> Result<Vec<Option<Tried>>, CalibrationError> {
+        let Some(workers) = self.workers else {
+            return Ok(tried(&self.tool, likelihood, self.request.seed, indices));
+        };
+        let firsts = indices.clone().step_by(POINTS);
+        let tasks = firsts.map(|first| Points::Candidates {
+            left_out: left_out.to_vec(),
+            indices: first..indices.end.min(first + POINTS as u64),
+        });
+        distributed(workers, &self.key.clone().digest(), tasks)
     }
 
     /// Readings out of reach of all candidates.
@@ -247,13 +272,26 @@ impl Calibration<'_> {
             Some(state) => state,
             None => sampler.begin(start.accepted.clone()),
         };
-        sampler.run(&mut state, |state| {
+        let simulate = |proposals: Vec<Proposal>| {
+            let Some(workers) = self.workers else {
+                return Ok(sampler.simulate(proposals));
+            };
+            let tasks = proposals.chunks(POINTS).map(|own| Points::Proposals {
+                left_out: left_out.to_vec(),
+                factors: factors.clone(),
+                settings,
+                proposals: own.to_vec(),
+            });
+            distributed(workers, &self.key.clone().digest(), tasks)
+        };
+        let after = |state: &State| {
             self.store.save::<_, Postcard>(STATE, &key, state);
             // Steps of tau are roughly uniform in its logarithm, so the fraction completed is only known at the end.
             let last = state.steps.last().map_or(0, |step| step.moves);
             self.progress
                 .done((last as u64).min(settings.moves as u64), settings.moves as u64);
-        });
+        };
+        sampler.run_with(&mut state, simulate, after)?;
         work.runs += 1;
         work.likelihoods += state.likelihoods;
         work.cycles += state.simulations;

@@ -135,12 +135,17 @@ impl Reader<'_> {
                 error = \"0.2 mm\" }; without measurements `nailnoise study` is enough";
             return Err(root.error("measured", problem, help).into());
         }
-        let (mut data, mut levels) = (Vec::new(), Vec::new());
+        let (mut data, mut levels, mut files) = (Vec::new(), Vec::new(), Vec::new());
         // Errors that the levels of a file share are variables like those of the instruments.
         let mut tests = Vec::new();
         for (name, table) in &measured {
             let conditions = conditions.as_slice();
             let instruments = instruments.as_slice();
+            files.extend(
+                table
+                    .get("file")
+                    .and_then(|own| Some(document.sibling(own.get_ref().as_str()?))),
+            );
             if OfFile::is_file(table) {
                 let at = OfFile {
                     table,
@@ -199,6 +204,7 @@ impl Reader<'_> {
             effort: effort(&root)?,
             data,
             levels,
+            files,
             notes,
         })
     }

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nailnoise_calibration::likelihood::{Likelihood, Prediction};
 use nailnoise_calibration::sampler::Candidate;
@@ -12,11 +13,7 @@ use super::error::CalibrationError;
 use super::random::standard_normal;
 use super::tool::Tool;
 use crate::design::Values;
-use crate::stages::Progress;
 use crate::study::{Frame, Rejections};
-
-/// Number of candidates computed at a time.
-const BLOCK: u64 = 64;
 
 /// Largest number of candidates before the first is accepted, and per draw.
 const MOST_IN_VAIN: u64 = 4096;
@@ -39,7 +36,8 @@ pub(super) struct Start {
 }
 
 /// Result of trying a candidate.
-struct Tried {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Tried {
     accepted: Option<Candidate>,
     /// Condition and outcome that failed.
     failed: Option<(usize, Cow<'static, str>)>,
@@ -48,22 +46,20 @@ struct Tried {
 }
 
 impl Start {
-    /// Draws candidates until `want` are accepted, and calls `after` after every block.
+    /// Draws candidates until `want` are accepted, and calls `after` after every block. `try_block` returns the results
+    /// of [`tried`] for the candidates of a block, which begins at an index.
     ///
     /// # Errors
-    /// If none of the first candidates is accepted, or too few overall.
+    /// Those of `try_block`; or if none of the first candidates is accepted, or too few overall.
     pub(super) fn complete(
         &mut self,
         tool: &Tool,
         likelihood: &Likelihood,
         want: usize,
-        seed: u64,
-        progress: &Progress,
+        try_block: impl Fn(u64) -> Result<Vec<Option<Tried>>, CalibrationError>,
         after: impl Fn(&Self),
     ) -> Result<(), CalibrationError> {
         self.reached.resize(likelihood.data().len(), BTreeMap::new());
-        let bases: Vec<Values> = tool.conditions.iter().map(|own| Values::clone(&own.design)).collect();
-        let active = vec![true; tool.keys()];
         while self.accepted.len() < want {
             if self.accepted.is_empty() && self.drawn >= MOST_IN_VAIN {
                 return Err(CalibrationError::NothingAccepted {
@@ -78,18 +74,7 @@ impl Start {
                     wanted: want,
                 });
             }
-            let frame = Frame::new(&bases, &active, 0);
-            let tried: Vec<Option<Tried>> = (self.drawn..self.drawn + BLOCK)
-                .into_par_iter()
-                .map(|index| {
-                    let point = tool.sampler.point(frame, index, &mut Rejections::new()).ok()?;
-                    let mut z = tool.sampler.to_normal(&point);
-                    let shared = 0..tool.shared.len() as u64;
-                    z.extend(shared.map(|k| standard_normal(seed ^ SHARED, index, k)));
-                    Some(try_point(tool, likelihood, z))
-                })
-                .collect();
-            for tried in tried {
+            for tried in try_block(self.drawn)? {
                 if self.accepted.len() == want {
                     break;
                 }
@@ -99,7 +84,6 @@ impl Start {
                     None => *self.refused.entry("refused".to_owned()).or_default() += 1,
                 }
             }
-            progress.done(self.accepted.len() as u64, want as u64);
             after(self);
         }
         Ok(())
@@ -126,6 +110,21 @@ impl Start {
         }
         self.accepted.extend(tried.accepted);
     }
+}
+
+/// Tries the candidates with these indices, in parallel; none for an index whose point breaks a rule.
+pub(super) fn tried(tool: &Tool, likelihood: &Likelihood, seed: u64, indices: Range<u64>) -> Vec<Option<Tried>> {
+    let bases: Vec<Values> = tool.conditions.iter().map(|own| Values::clone(&own.design)).collect();
+    let active = vec![true; tool.keys()];
+    let frame = Frame::new(&bases, &active, 0);
+    let one = |index: u64| {
+        let point = tool.sampler.point(frame, index, &mut Rejections::new()).ok()?;
+        let mut z = tool.sampler.to_normal(&point);
+        let shared = 0..tool.shared.len() as u64;
+        z.extend(shared.map(|k| standard_normal(seed ^ SHARED, index, k)));
+        Some(try_point(tool, likelihood, z))
+    };
+    indices.into_par_iter().map(one).collect()
 }
 
 fn try_point(tool: &Tool, likelihood: &Likelihood, z: Vec<f64>) -> Tried {

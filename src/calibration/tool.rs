@@ -110,7 +110,7 @@ impl Tool {
             .collect();
         // The design's own requirements apply to its own values, unless a condition with these values states more.
         let require = &design.study().require;
-        let is_own = |own: &Shots| !own.outcomes.is_empty() && differing_keys(&[design, &own.design]).is_empty();
+        let is_own = |own: &Shots| !own.outcomes.is_empty() && are_equal(design, &own.design);
         if !require.is_empty() && !conditions.iter().any(is_own) {
             conditions.push(Shots {
                 name: design.name().to_owned(),
@@ -242,6 +242,16 @@ fn end(design: &Design, quantities: &[Quantity], has_outcome: bool) -> f64 {
     let ends = quantities.iter().map(|own| own.end(of_design));
     let ends = ends.chain(has_outcome.then_some(of_design.min(END_OF_DRIVE)));
     ends.reduce(f64::max).unwrap_or(SHORTEST)
+}
+
+/// Whether two designs have the same values, up to the rounding of a conversion: 96 psig are 763.2 kPa.
+fn are_equal(a: &Design, b: &Design) -> bool {
+    const ROUNDING: f64 = 1e-3;
+    let is_equal = |key: &String| {
+        let [a, b] = [a, b].map(|own| number_of(own, key));
+        (a - b).abs() <= ROUNDING * a.abs()
+    };
+    differing_keys(&[a, b]).iter().all(is_equal)
 }
 
 /// The value of a key that is a quantity.

@@ -195,8 +195,14 @@ fn of_design(arguments: &Arguments, path: &Path) -> Result<Status, Error> {
         // A check that fails is a numerical failure.
         return Ok(status(result.is_uniform != Some(false), false));
     }
-    let (result, files) =
-        calibration::calibrate(&store, &design, set, arguments.measured.as_deref(), &request, &progress)?;
+    let (result, files) = calibration::calibrate(
+        &store,
+        &design,
+        set,
+        arguments.measured.as_deref(),
+        (&request, None),
+        &progress,
+    )?;
     progress.stage("writing files");
     let staging = AtomicWrite::within(&folder)?;
     let shown = result.shown(arguments.shown.units);

@@ -1,12 +1,15 @@
 """Calibrates hidden twins of a design: tools drawn from its ranges, measured with the stated errors.
 
     calibration_twins.py NAILNOISE DESIGN WORK [--twins 20] [--draws 512] [--moves 24] [--threads N] [--wrong NAME]
+                         [--record FILE]
 
 A call of `nailnoise calibrate` with every reading held out draws tools that drive, with their true inputs, readings and
 figures of the shot. Each twin is measured nine times, with errors drawn as the file of measurements states them, and
 calibrated. `--wrong drive` multiplies that reading by 1.3 instead, and asks which readings the calibration names.
 
-A twin whose result is in WORK is read from there, so that an interrupted call continues. The script prints a line for
+A twin whose result is in WORK is read from there, so that an interrupted call continues. `--record FILE` appends the
+result of each twin as a line of JSON, with the version of the program, and does not calibrate a twin again that has a
+line for the same settings. The script prints a line for
 each twin and then the coverage of 90 % intervals, of inputs and of figures, by the twins whose sampler converged; the
 others are counted apart. It fails if figures are covered in less than 80 % or more than 98 % of the cases, or, with
 `--wrong`, if the wrong reading is named in fewer than nine of ten twins.
@@ -141,6 +144,40 @@ def width(row):
     return (row["now"][2] - row["now"][0]) / (row["before"][2] - row["before"][0])
 
 
+def lines_of(record):
+    """The rows of a record; none without a file."""
+    if not record or not record.exists():
+        return []
+    return [json.loads(line) for line in record.read_text().splitlines()]
+
+
+def calibrated(arguments, twin, tool):
+    """Measures a hidden tool and calibrates it: what its intervals cover, its work and its conflicts."""
+    values = readings(tool, twin)
+    if arguments.wrong:
+        values[list(READINGS).index(arguments.wrong)] *= 1.3
+    kind = f"-{arguments.wrong}" if arguments.wrong else ""
+    file = arguments.work / f"twin-{twin}{kind}.toml"
+    file.write_text(file_of(values))
+    folder = arguments.work / f"twin-{twin}{kind}-{arguments.draws}-{arguments.moves}"
+    sampler = ["--draws", arguments.draws, "--moves", arguments.moves, "--seed", twin + 1]
+    result, _ = calibrate(arguments, file, folder, *sampler)
+    figure_name = lambda row: row["name"].replace(" ", "_")
+    version = subprocess.run([arguments.program, "--version"], stdout=subprocess.PIPE, text=True).stdout.splitlines()
+    return {
+        "commit": next(line.split()[-1][:12] for line in version if line.startswith("commit")),
+        "converged": result["converged"],
+        "inputs": covered(result["inputs"], tool, lambda row: row["now"], lambda row: row["name"]),
+        "figures": covered(result["figures"], tool, lambda row: row["now"][::2], figure_name),
+        "widths": {row["name"]: round(width(row), 3) for row in result["figures"]},
+        "halves_apart": round(result["halves_apart"], 3),
+        "ancestors": result["ancestors"],
+        "runs": result["work"]["runs"],
+        "cycles": result["work"]["cycles"],
+        "conflicts": [[name for name in (row["measurement"], row["partner"]) if name] for row in result["conflicts"]],
+    }
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
@@ -150,6 +187,7 @@ def main():
     parser.add_argument("--draws", default="512")
     parser.add_argument("--moves", default="24")
     parser.add_argument("--threads")
+    parser.add_argument("--record", type=Path)
     parser.add_argument("--wrong", choices=[name for name in READINGS if not name.startswith("depth")])
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
@@ -164,49 +202,40 @@ def main():
     if len(tools) < arguments.twins:
         sys.exit(f"only {len(tools)} hidden tools end their exhaust within the record")
 
-    inputs, figures, ratios, named, flagged = [0, 0], [0, 0], {}, 0, 0
+    settings = {"draws": int(arguments.draws), "moves": int(arguments.moves), "wrong": arguments.wrong}
+    recorded = lines_of(arguments.record)
+    found = []
     for twin, tool in enumerate(tools):
-        values = readings(tool, twin)
-        if arguments.wrong:
-            values[list(READINGS).index(arguments.wrong)] *= 1.3
-        kind = f"-{arguments.wrong}" if arguments.wrong else ""
-        file = arguments.work / f"twin-{twin}{kind}.toml"
-        file.write_text(file_of(values))
-        folder = arguments.work / f"twin-{twin}{kind}-{arguments.draws}-{arguments.moves}"
-        sampler = ["--draws", arguments.draws, "--moves", arguments.moves, "--seed", twin + 1]
-        result, _ = calibrate(arguments, file, folder, *sampler)
-        own = covered(result["inputs"], tool, lambda row: row["now"], lambda row: row["name"])
-        figure_ends, figure_name = (lambda row: row["now"][::2]), (lambda row: row["name"].replace(" ", "_"))
-        shot = covered(result["figures"], tool, figure_ends, figure_name)
-        conflicts = [[row["measurement"], row["partner"]] for row in result["conflicts"]]
-        names = [name for pair in conflicts for name in pair if name]
-        work, halves, ancestors = result["work"], result["halves_apart"], result["ancestors"]
+        row = next((own for own in recorded if own["twin"] == twin and settings.items() <= own.items()), None)
+        if row is None:
+            row = {"twin": twin, **settings, **calibrated(arguments, twin, tool)}
+            if arguments.record:
+                with open(arguments.record, "a") as file:
+                    file.write(json.dumps(row) + "\n")
+        found.append(row)
         print(
-            f"twin {twin}: converged {result['converged']}, inputs {own[0]}/{own[1]}, figures {shot[0]}/{shot[1]}, "
-            f"halves {halves:.2f} apart, {ancestors} ancestors, {work['runs']} runs, {work['cycles']} cycles, "
-            f"conflicts {conflicts}",
+            f"twin {twin}: converged {row['converged']}, inputs {row['inputs'][0]}/{row['inputs'][1]}, figures "
+            f"{row['figures'][0]}/{row['figures'][1]}, halves {row['halves_apart']:.2f} apart, {row['ancestors']} ancestors, "
+            f"{row['runs']} runs, {row['cycles']} cycles, conflicts {row['conflicts']}",
             flush=True,
         )
-        named += arguments.wrong in names
-        if not result["converged"]:
-            flagged += 1
-            continue
-        inputs = [sum(pair) for pair in zip(inputs, own)]
-        figures = [sum(pair) for pair in zip(figures, shot)]
-        for row in result["figures"]:
-            ratios.setdefault(row["name"], []).append(width(row))
+    named = sum(any(arguments.wrong in pair for pair in row["conflicts"]) for row in found)
+    converged = [row for row in found if row["converged"]]
+    inputs, figures = ([sum(pair) for pair in zip(*(row[kind] for row in converged))] for kind in ("inputs", "figures"))
+    flagged = len(found) - len(converged)
 
     print(f"\n{flagged} of {len(tools)} not converged")
-    if figures[1]:
+    if converged:
         share = figures[0] / figures[1]
         print(f"90 % intervals cover inputs {inputs[0] / inputs[1]:.3f}, figures {share:.3f}")
-        for name, own in ratios.items():
-            print(f"  {name}: width {statistics.median(own):.2f} of that before (median)")
+        for name in converged[0]["widths"]:
+            middle = statistics.median(row["widths"][name] for row in converged)
+            print(f"  {name}: width {middle:.2f} of that before (median)")
     if arguments.wrong:
         print(f"{arguments.wrong}, wrong by 1.3, named in {named} of {len(tools)} twins")
         if named < 0.9 * len(tools):
             sys.exit("the wrong reading is not named")
-    elif not figures[1] or not 0.8 <= share <= 0.98:
+    elif not converged or not 0.8 <= share <= 0.98:
         sys.exit("coverage of figures")
 
 

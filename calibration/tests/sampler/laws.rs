@@ -1,10 +1,11 @@
 //! Laws of the sampler: changes of the input that must not affect its result, and changes that must.
 
 use std::borrow::Cow;
+use std::cell::Cell;
 
 use nailnoise_calibration::Simulator;
 use nailnoise_calibration::likelihood::Prediction;
-use nailnoise_calibration::sampler::{Sampler, Settings};
+use nailnoise_calibration::sampler::{Proposal, Sampler, Settings};
 
 use super::common::{Model, N, candidates, gaussian, of, run};
 
@@ -48,6 +49,41 @@ fn one_thread_and_eight_give_the_same_draws() {
         pool.install(|| run(&model, &likelihood, 2))
     };
     assert_eq!(on(1), on(8));
+}
+
+#[test]
+fn proposals_simulated_in_parts_give_the_same_draws() {
+    let (model, likelihood) = (model(), gaussian(&[[1.0, 0.1], [0.5, 0.1]]));
+    let sampler = Sampler::new(&model, &likelihood, SETTINGS);
+    let [mut whole, mut parts] = [(); 2].map(|()| sampler.begin(candidates(&model, N, 1)));
+    sampler.run(&mut whole, |_| {});
+    let elsewhere = Sampler::new(&model, &likelihood, SETTINGS);
+    let in_parts = |proposals: Vec<Proposal>| {
+        let results = proposals.chunks(7).map(|own| elsewhere.simulate(own.to_vec()));
+        Ok::<_, ()>(results.flatten().collect())
+    };
+    sampler.run_with(&mut parts, in_parts, |_| {}).unwrap();
+    assert_eq!(parts, whole);
+}
+
+#[test]
+fn a_run_whose_simulation_fails_keeps_the_state_of_its_last_move() {
+    let (model, likelihood) = (model(), gaussian(&[[1.0, 0.1], [0.5, 0.1]]));
+    let sampler = Sampler::new(&model, &likelihood, SETTINGS);
+    let [mut whole, mut state] = [(); 2].map(|()| sampler.begin(candidates(&model, N, 1)));
+    sampler.run(&mut whole, |_| {});
+    let moves = Cell::new(0);
+    let failing = |proposals: Vec<Proposal>| {
+        moves.set(moves.get() + 1);
+        if moves.get() == 3 {
+            return Err("no workers");
+        }
+        Ok(sampler.simulate(proposals))
+    };
+    assert_eq!(sampler.run_with(&mut state, failing, |_| {}), Err("no workers"));
+    assert!(!state.is_finished());
+    sampler.run(&mut state, |_| {});
+    assert_eq!(state, whole);
 }
 
 #[test]
