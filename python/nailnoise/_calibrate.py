@@ -154,9 +154,11 @@ def calibrate(
     own = tempfile.TemporaryDirectory(prefix="nailnoise-calibrated-") if out is None else None
     folder = Path(own.name if own is not None else os.fspath(out or "")).absolute()
     tasks, workers = None, 0
-    if client is not None and measured is not None:
+    if client is not None:
+        if measured is None:
+            raise ValueError("client computes the shots of a calibration: give a file of measurements")
         cluster = Cluster(client, None, "", None)
-        tasks, workers = cluster.of_calibration(design, Path(measured).absolute(), draws, seed), cluster.threads()
+        tasks, workers = cluster.of_calibration(design, os.path.abspath(measured), draws, seed), cluster.threads()
     files = _native.calibrate(
         design._native,
         None if measured is None else os.fspath(measured),

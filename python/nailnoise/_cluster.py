@@ -8,6 +8,7 @@ as in the cache. The client then states the result from these files, as it would
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -52,29 +53,34 @@ class Sent:
         files = tuple((str(path), path.read_bytes()) for path in paths if path.is_file())
         return cls(os.path.abspath(design.path), design.digest, tuple(design._values.items()), files)
 
-    def _stands_here(self) -> bool:
+    def _is_here(self) -> bool:
         return all(Path(path).is_file() and Path(path).read_bytes() == data for path, data in self.files)
 
     def design(self) -> Design:
-        """The design on a worker: from its own place where that is shared, else from copies side by side as they were."""
-        return _received(self)
+        """The design on a worker: its own file if the worker has all files, else a copy."""
+        return _received(self)[1]
 
     def place(self, path: str) -> Path:
         """The place of one of the files on a worker."""
-        if self._stands_here():
-            return Path(path)
-        return _own_folder() / "designs" / self.digest[:16] / Path(path).relative_to(Path(path).anchor)
+        return _placed(_received(self)[0], path)
+
+
+def _placed(copies: Path | None, path: str) -> Path:
+    return Path(path) if copies is None else copies / Path(path).relative_to(Path(path).anchor)
 
 
 @lru_cache(maxsize=8)
-def _received(sent: Sent) -> Design:
-    if not sent._stands_here():
+def _received(sent: Sent) -> tuple[Path | None, Design]:
+    """The folder of the copies of the files, in the order of their folders; none if the worker has the files. And the design."""
+    copies = None
+    if not sent._is_here():
+        copies = _own_folder() / "designs" / hashlib.sha256(repr(sent.files).encode()).hexdigest()[:16]
         for name, data in sent.files:
-            _write(sent.place(name), data)
-    design = load(sent.place(sent.path), dict(sent.values))
+            _write(_placed(copies, name), data)
+    design = load(_placed(copies, sent.path), dict(sent.values))
     if design.digest != sent.digest:
         raise RuntimeError(f"{sent.path} is another design on this worker; bases and meshes need paths relative to their design")
-    return design
+    return copies, design
 
 
 def _write(path: Path, data: bytes) -> None:
@@ -177,7 +183,7 @@ def _calibration(sent: Sent, measured: str, draws: int, seed: int) -> _native.Ca
     return _native.CalibrationWorker(design._native, sent.place(measured), draws, seed)
 
 
-def shots(sent: Sent, measured: str, draws: int, seed: int, points: bytes) -> bytes:
+def calibration_shots(sent: Sent, measured: str, draws: int, seed: int, points: bytes) -> bytes:
     """Task: the shots of points that a calibration proposes."""
     _begin(None, [])
     return _calibration(sent, measured, draws, seed).result(points)
@@ -270,12 +276,12 @@ class Cluster:
         """Computes the shots of drawn designs."""
         self.screen(self.share(Sent.of(design)), "shots", seed, n)
 
-    def of_calibration(self, design: Design, measured: Path, draws: int, seed: int) -> Callable[[list[bytes]], list[bytes]]:
+    def of_calibration(self, design: Design, measured: str, draws: int, seed: int) -> Callable[[list[bytes]], list[bytes]]:
         """A function that computes tasks of a calibration."""
         sent = self.share(Sent.of(design, _native.measurement_files(design._native, measured)))
 
         def results(tasks: list[bytes]) -> list[bytes]:
-            futures = [self.submit(shots, sent, str(measured), draws, seed, points) for points in tasks]
+            futures = [self.submit(calibration_shots, sent, measured, draws, seed, points) for points in tasks]
             return [future.result() for future in futures]
 
         return results

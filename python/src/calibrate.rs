@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::design::{NativeDesign, parsed, store, unbounded};
-use crate::error::{json_of, raised, value_error};
+use crate::error::{json_of, value_error};
 use crate::values::drawn;
 use crate::work::{self, Callbacks};
 
@@ -52,9 +52,11 @@ impl NativeWorker {
 
 /// The files that a file of measurements names, and that file itself.
 #[pyfunction]
-pub(crate) fn measurement_files(design: &NativeDesign, measured: PathBuf) -> PyResult<Vec<PathBuf>> {
-    let assignments = parsed(&design.assignments)?;
-    calibration::files_of(&design.design, &assignments, &measured).map_err(raised)
+pub(crate) fn measurement_files(py: Python<'_>, design: &NativeDesign, measured: PathBuf) -> PyResult<Vec<PathBuf>> {
+    let (design, assignments) = (Arc::clone(&design.design), parsed(&design.assignments)?);
+    work::off_the_lock(py, None, move |_| {
+        Ok(calibration::files_of(&design, &assignments, &measured)?)
+    })
 }
 
 /// Number of draws in two halves of equal size.

@@ -18,19 +18,18 @@ use crate::error::Refused;
 /// Interval at which signals to the interpreter are checked.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Tasks or their results, as bytes.
-pub(crate) type Tasks = Vec<Vec<u8>>;
+/// Tasks, or their results.
+type Messages = Vec<Vec<u8>>;
 
 /// A message to the thread of the interpreter.
 enum Event {
     /// Progress for a callback: a kind (`stage`, `note` or `done`), a text, and items done of how many.
     Progress(&'static str, String, u64, u64),
     /// Tasks for the workers, and where their results go.
-    Tasks(Tasks, Sender<Tasks>),
+    Tasks(Messages, Sender<Messages>),
 }
 
 /// Callbacks in Python.
-#[derive(Default)]
 pub(crate) struct Callbacks {
     /// `report(kind, text, done, of)`.
     pub(crate) report: Option<Py<PyAny>>,
@@ -49,7 +48,7 @@ impl Workers for CallbackWorkers {
         self.count
     }
 
-    fn results(&self, tasks: Tasks) -> Result<Tasks, CalibrationError> {
+    fn results(&self, tasks: Messages) -> Result<Messages, CalibrationError> {
         let (sender, results) = channel();
         let sent = self
             .events

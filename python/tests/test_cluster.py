@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import nailnoise as nn
 import pytest
@@ -49,6 +50,23 @@ def test_a_design_travels_with_its_bases(tmp_path: Path) -> None:
     sent = Sent.of(design)
     assert {str(own), str(base), str(SMALL)} <= {str(Path(name).resolve()) for name, _ in sent.files}
     assert sent.design() == design
+
+
+def _text(sent: Any, path: str) -> str:
+    return str(sent.place(path).read_text())
+
+
+def test_each_state_of_a_file_of_measurements_has_its_own_copy(drawn: nn.Design, client: Client, tmp_path: Path) -> None:
+    from nailnoise._cluster import Sent
+
+    file = tmp_path / "shots.toml"
+    sent = []
+    for text in ["first", "second"]:
+        file.write_text(text)
+        sent.append(Sent.of(drawn, [file]))
+    file.unlink()
+    found = [client.submit(_text, own, str(file), pure=False).result() for own in [sent[0], sent[1], sent[0]]]
+    assert found == ["first", "second", "first"]
 
 
 def test_a_shared_value_outlives_the_worker_that_holds_it() -> None:

@@ -17,8 +17,9 @@ use serde::{Deserialize, Serialize};
 use super::error::CalibrationError;
 use super::key::key;
 use super::measurements::Measurements;
-use super::posterior::{Calibration, Request, Treatment, Work};
+use super::posterior::{Calibration, Work};
 use super::random::standard_normal;
+use super::request::{Request, Treatment};
 use super::result::result;
 use super::tool::{Tool, likelihood};
 use crate::atomic_write::AtomicWrite;
@@ -154,9 +155,9 @@ struct Run {
 }
 
 /// A point of the prior with the observed outcomes, and its predictions in the order of the readings.
-pub(super) struct Truth {
-    pub(super) z: Vec<f64>,
-    pub(super) predictions: Vec<Prediction>,
+struct Truth {
+    z: Vec<f64>,
+    predictions: Vec<Prediction>,
 }
 
 impl Truth {
@@ -165,11 +166,7 @@ impl Truth {
     ///
     /// # Errors
     /// If there is none among the first points.
-    pub(super) fn draw(
-        tool: &Tool,
-        likelihood: &Likelihood,
-        (stream, shared): (u64, u64),
-    ) -> Result<Self, CalibrationError> {
+    fn draw(tool: &Tool, likelihood: &Likelihood, (stream, shared): (u64, u64)) -> Result<Self, CalibrationError> {
         let bases: Vec<Values> = tool.conditions.iter().map(|own| Values::clone(&own.design)).collect();
         let active = vec![true; tool.keys()];
         let frame = Frame::new(&bases, &active, stream);

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::posterior::Posterior;
 use super::redraw::{Redrawn, is_redrawn};
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
-use crate::design::{Design, JointDraws, Name, Value};
+use crate::design::{Assignment, Design, JointDraws, Name, Value};
 use crate::error::Error;
 use crate::output;
 
@@ -62,7 +62,7 @@ pub(super) fn files(
     design: &Design,
     result: &CalibrationResult,
     (table, joint): (&Table, &JointDraws),
-    redraw: &[Redrawn],
+    (narrowed, redraw): (&[Assignment], &[Redrawn]),
 ) -> Result<Files, Error> {
     let mut moved = moved_keys(posterior, result, table);
     moved.retain(|own| !is_redrawn(redraw, own.key));
@@ -81,7 +81,12 @@ pub(super) fn files(
     Ok(Files {
         draws: output::table(header, rows)?,
         joint: serde_json::to_vec(&joint).map_err(Error::Json)?,
-        design: calibrated(design, result, &moved),
+        design: calibrated(design, result, &moved)
+            + &narrowed
+                .iter()
+                .filter(|own| !is_redrawn(redraw, own.key()))
+                .map(|own| own.file_line() + "\n")
+                .collect::<String>(),
         base: design.path().to_owned(),
     })
 }

@@ -3,7 +3,7 @@
 use super::measurements::Measurements;
 use super::tool::Tool;
 use crate::design::Design;
-use crate::stages::code;
+use crate::graph::program_key;
 use crate::store::Key;
 
 /// Key of candidates and draws: everything except which readings are used.
@@ -16,8 +16,7 @@ pub(super) fn key(design: &Design, tool: &Tool, measured: &Measurements, (draws,
         .iter()
         .map(|own| format!("{:?} {:?}", own.shown, own.outcomes))
         .collect();
-    Key::empty()
-        .with(&code![calibration, dynamics])
+    program_key()
         .with(&design.digest())
         .with(&variables)
         .with(&tool.shared)

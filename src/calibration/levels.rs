@@ -17,8 +17,9 @@ use serde::Serialize;
 
 use super::level_draws::{LevelDraws, level_draws};
 use super::measurements::{MeasuredLevel, Measurements};
-use super::posterior::{Found, Posterior, Request, Treatment, shuffle};
+use super::posterior::{Found, Posterior, shuffle};
 use super::random::standard_normal;
+use super::request::{Request, Treatment};
 use super::tool::errors;
 use crate::decibels::energy_sum;
 use crate::design::{Design, JointDraws};

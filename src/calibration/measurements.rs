@@ -7,7 +7,7 @@ use nailnoise_calibration::likelihood::Reading;
 
 use super::level_quantities::LevelQuantity;
 use super::quantities::Quantity;
-use crate::design::Design;
+use crate::design::{Assignment, Design};
 
 /// Part of the variance of the model's error that all readings of a family have in common.
 pub(super) const COMMON: f64 = 0.5;
@@ -29,6 +29,8 @@ pub(super) struct Measurements {
     pub(super) correlations: Vec<Correlation>,
     /// Minutes that a further measurement takes, by the name of its quantity, in place of the usual ones.
     pub(super) effort: BTreeMap<String, f64>,
+    /// Values and ranges in the design of the measured keys that the cycle does not use.
+    pub(super) narrowed: Vec<Assignment>,
     /// Other files that contain readings.
     pub(super) files: Vec<PathBuf>,
     /// Assumptions about readings that the user should know.

@@ -28,6 +28,7 @@ mod quantity_reader;
 mod random;
 mod reader;
 mod redraw;
+mod request;
 mod result;
 mod shot;
 mod shown;
@@ -45,8 +46,9 @@ pub use error::CalibrationError;
 pub use files::{Files, JOINT};
 pub use levels::{LevelRow, LevelWork};
 pub use next::{NextRow, next_of_study};
-pub use posterior::{Request, Treatment, Work};
+pub use posterior::Work;
 pub use redraw::Redrawn;
+pub use request::{Request, Treatment};
 pub use result::{
     CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, NOT_CONVERGED, PairRow, Verdict,
 };
@@ -80,13 +82,14 @@ pub fn calibrate(
     progress: &Progress,
 ) -> Result<(CalibrationResult, Files), Error> {
     let Inputs {
+        design: narrowed,
         file,
         measured,
         held_out,
         held_levels,
     } = Inputs::read(design, assignments, measured, request)?;
-    let tool = tool::Tool::new(design, &measured, request.seed)?;
-    let key = key::key(design, &tool, &measured, (request.draws, request.seed));
+    let tool = tool::Tool::new(&narrowed, &measured, request.seed)?;
+    let key = key::key(&narrowed, &tool, &measured, (request.draws, request.seed));
     let calibration = posterior::Calibration {
         tool,
         measured: &measured,
@@ -102,7 +105,7 @@ pub fn calibrate(
         None
     } else {
         let stage = levels::LevelStage {
-            design,
+            design: &narrowed,
             measured: &measured,
             request,
             graph: &graph,
@@ -113,7 +116,7 @@ pub fn calibrate(
         Some(levels::ByLevels::of(weighted, &mut posterior, request.seed))
     };
     progress.stage("figures of the draws");
-    let (mut result, mut table) = result::result(&posterior, design, &measured, request, &file);
+    let (mut result, mut table) = result::result(&posterior, &narrowed, &measured, request, &file);
     let joint = joint::joint(&posterior, levels.as_ref(), &file);
     if let Some(levels) = &levels {
         let ranges = level_rows::ranges(store, design)?;
@@ -122,7 +125,7 @@ pub fn calibrate(
     if request.next {
         let levelled = next::Levelled {
             tool: &posterior.tool,
-            design,
+            design: &narrowed,
             joint: joint.clone(),
             effort: &measured.effort,
             points: posterior.state.particles.iter().map(|own| own.z.as_slice()).collect(),
@@ -132,7 +135,13 @@ pub fn calibrate(
     let pairs = result.pairs.iter().map(|own| (&own.inputs, own.rank_correlation));
     let note = redraw::note(&request.redraw, pairs);
     result.notes.extend(note);
-    let files = files::files(&posterior, design, &result, (&table, &joint), &request.redraw)?;
+    let files = files::files(
+        &posterior,
+        &narrowed,
+        &result,
+        (&table, &joint),
+        (&measured.narrowed, &request.redraw),
+    )?;
     Ok((result, files))
 }
 
@@ -163,7 +172,7 @@ pub fn check(
 ) -> Result<CheckResult, Error> {
     let read = Inputs::read(design, assignments, Some(asked.measured), asked.request)?;
     let check = check::Check {
-        design,
+        design: &read.design,
         measured: &read.measured,
         file: read.file,
         held_out: read.held_out,

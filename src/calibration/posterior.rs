@@ -16,9 +16,9 @@ use nailnoise_calibration::statistics::log_mean_exp;
 
 use super::error::CalibrationError;
 use super::measurements::Measurements;
-use super::redraw::Redrawn;
+use super::request::{Request, Treatment};
 use super::start::{Start, Tried, tried};
-use super::tasks::{POINTS, Points, Workers, distributed};
+use super::tasks::{POINTS_PER_TASK, Points, Workers, distributed};
 use super::tool::{Tool, likelihood};
 use crate::error::Error;
 use crate::stages::{Digest, Postcard, Progress};
@@ -37,36 +37,6 @@ const MOST_CONFLICTS: usize = 8;
 /// Fewest candidates whose ends are counted for a reading that is not reached: chance brings more than a quarter of 40
 /// to the last twentieth of a range once in 300 000 times.
 const NEAREST: usize = 40;
-
-/// Treatment of readings that contradict each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Treatment {
-    /// They are excluded from the posterior.
-    LeaveOut,
-    /// Their errors are widened until they agree.
-    Widen,
-}
-
-/// Settings of a calibration.
-#[derive(Debug, Clone)]
-pub struct Request {
-    /// Number of draws from the posterior; even.
-    pub draws: usize,
-    /// Largest number of moves per step of the sampler.
-    pub moves: usize,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// Names of measurements that are only predicted.
-    pub hold_out: Vec<String>,
-    /// Treatment of conflicts.
-    pub treatment: Treatment,
-    /// Whether to find what to measure next.
-    pub next: bool,
-    /// Number of draws whose levels are computed, for measured levels and for what to measure next.
-    pub levels: usize,
-    /// Classes of inputs that the calibrated design draws anew.
-    pub redraw: Vec<Redrawn>,
-}
 
 /// A conflict that was found.
 #[derive(Debug, Clone, Default)]
@@ -196,8 +166,8 @@ impl Calibration<'_> {
         start.complete(
             &self.tool,
             &likelihood,
-            want,
-            |first| self.tried(&likelihood, held_out, first..first + tasks * POINTS as u64),
+            (want, tasks * POINTS_PER_TASK as u64),
+            |indices| self.tried(&likelihood, held_out, indices),
             |start| {
                 self.progress.done(start.accepted.len() as u64, want as u64);
                 blocks.set(blocks.get() + tasks);
@@ -220,12 +190,12 @@ impl Calibration<'_> {
         let Some(workers) = self.workers else {
             return Ok(tried(&self.tool, likelihood, self.request.seed, indices));
         };
-        let firsts = indices.clone().step_by(POINTS);
+        let firsts = indices.clone().step_by(POINTS_PER_TASK);
         let tasks = firsts.map(|first| Points::Candidates {
             left_out: left_out.to_vec(),
-            indices: first..indices.end.min(first + POINTS as u64),
+            indices: first..indices.end.min(first + POINTS_PER_TASK as u64),
         });
-        distributed(workers, &self.key.clone().digest(), tasks)
+        distributed(workers, &self.key.clone().digest(), tasks, indices.clone().count())
     }
 
     /// Readings out of reach of all candidates.
@@ -276,13 +246,12 @@ impl Calibration<'_> {
             let Some(workers) = self.workers else {
                 return Ok(sampler.simulate(proposals));
             };
-            let tasks = proposals.chunks(POINTS).map(|own| Points::Proposals {
+            let tasks = proposals.chunks(POINTS_PER_TASK).map(|own| Points::Proposals {
                 left_out: left_out.to_vec(),
                 factors: factors.clone(),
-                settings,
                 proposals: own.to_vec(),
             });
-            distributed(workers, &self.key.clone().digest(), tasks)
+            distributed(workers, &self.key.clone().digest(), tasks, proposals.len())
         };
         let after = |state: &State| {
             self.store.save::<_, Postcard>(STATE, &key, state);

@@ -137,9 +137,6 @@ pub(super) const NAMES: [&str; 9] = [
     "supply_drop",
 ];
 
-/// Names of quantities that a later version may support.
-pub(super) const NOT_BUILT: [&str; 2] = ["mode", "loss_factor"];
-
 /// Groups of predictions with a common model error.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Family {

@@ -10,10 +10,16 @@ use super::assembly_quantities::{AssemblyMoment, AssemblyQuantity, START, air_pe
 use super::fields::{place, words};
 use super::level_quantities;
 use super::measurements::Condition;
-use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, event};
+use super::quantities::{Chamber, Moment, NAMES, Quantity, event};
 
 /// Keys for measurements of modes, which are not supported.
 const OF_NOT_BUILT: [&str; 3] = ["body", "hz", "mounted"];
+
+/// The quantity of a mode.
+const MODE: &str = "mode";
+
+/// A key that is often looked for among the quantities.
+const LOSS_FACTOR: &str = "loss_factor";
 
 /// Quantities whose recorded history can be read.
 pub(super) const OF_TRACE: [&str; 3] = ["pressure", "piston_travel", "travel"];
@@ -70,8 +76,12 @@ impl QuantityReader<'_, '_, '_> {
         let example = format!("\"{}\"", names[0]);
         table.required("quantity", &example)?;
         let name = table.text("quantity", &example)?.unwrap_or_default();
-        if NOT_BUILT.contains(&name) {
+        if name == MODE {
             return Err(self.not_built("quantity"));
+        }
+        if name == LOSS_FACTOR {
+            let help = "give the loss factor under [direct]: \"wood.loss_factor\" = { value = 0.02, error = 0.003 }";
+            return Err(table.error("quantity", "is a key of the design, not a quantity of a shot", help));
         }
         let known = names.iter().map(String::as_str).chain(level_quantities::NAMES);
         place(table, "quantity", name, known, "quantity")?;

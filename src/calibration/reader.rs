@@ -205,6 +205,7 @@ impl Reader<'_> {
             data,
             levels,
             files,
+            narrowed: Vec::new(),
             notes,
         })
     }

@@ -46,8 +46,8 @@ pub(super) struct Tried {
 }
 
 impl Start {
-    /// Draws candidates until `want` are accepted, and calls `after` after every block. `try_block` returns the results
-    /// of [`tried`] for the candidates of a block, which begins at an index.
+    /// Draws candidates until `want` are accepted, and calls `after` after every block of at most `block` candidates.
+    /// `try_block` returns the results of [`tried`]. The size of the blocks does not affect the result.
     ///
     /// # Errors
     /// Those of `try_block`; or if none of the first candidates is accepted, or too few overall.
@@ -55,8 +55,8 @@ impl Start {
         &mut self,
         tool: &Tool,
         likelihood: &Likelihood,
-        want: usize,
-        try_block: impl Fn(u64) -> Result<Vec<Option<Tried>>, CalibrationError>,
+        (want, block): (usize, u64),
+        try_block: impl Fn(Range<u64>) -> Result<Vec<Option<Tried>>, CalibrationError>,
         after: impl Fn(&Self),
     ) -> Result<(), CalibrationError> {
         self.reached.resize(likelihood.data().len(), BTreeMap::new());
@@ -67,14 +67,20 @@ impl Start {
                     outcomes: counted(&self.refused),
                 });
             }
-            if self.drawn >= MOST * want as u64 {
+            let most = MOST * want as u64;
+            if self.drawn >= most {
                 return Err(CalibrationError::TooFewAccepted {
                     accepted: self.accepted.len(),
                     candidates: self.drawn,
                     wanted: want,
                 });
             }
-            for tried in try_block(self.drawn)? {
+            let limit = if self.accepted.is_empty() {
+                MOST_IN_VAIN.min(most)
+            } else {
+                most
+            };
+            for tried in try_block(self.drawn..limit.min(self.drawn + block))? {
                 if self.accepted.len() == want {
                     break;
                 }

@@ -18,8 +18,8 @@ use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::stages::{Codec, Digest, Postcard};
 
-/// Number of points of a task.
-pub(super) const POINTS: usize = 64;
+/// Largest number of points of a task.
+pub(super) const POINTS_PER_TASK: usize = 64;
 
 /// Other processes that compute tasks by [`Worker::result`].
 pub trait Workers: Sync {
@@ -42,7 +42,6 @@ pub(super) enum Points {
     Proposals {
         left_out: Vec<usize>,
         factors: BTreeMap<usize, f64>,
-        settings: Settings,
         proposals: Vec<Proposal>,
     },
 }
@@ -55,14 +54,15 @@ struct Task {
     points: Points,
 }
 
-/// Results of tasks, joined in their order.
+/// The `count` results of the points of tasks, in their order.
 ///
 /// # Errors
-/// Those of the workers, or if a result is that of another program.
+/// Those of the workers, or if their results are not those of the tasks.
 pub(super) fn distributed<R: Serialize + DeserializeOwned>(
     workers: &dyn Workers,
     calibration: &Digest,
     tasks: impl Iterator<Item = Points>,
+    count: usize,
 ) -> Result<Vec<R>, CalibrationError> {
     let task = |points: Points| {
         bytes(&Task {
@@ -72,7 +72,8 @@ pub(super) fn distributed<R: Serialize + DeserializeOwned>(
     };
     let results = workers.results(tasks.map(task).collect::<Result<_, _>>()?)?;
     let parts = results.iter().map(|own| value::<Vec<R>>(own));
-    Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    let all: Vec<R> = parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+    (all.len() == count).then_some(all).ok_or(CalibrationError::NoResults)
 }
 
 /// A calibration in a process that computes tasks for another one.
@@ -94,9 +95,9 @@ impl Worker {
         measured: &Path,
         (draws, seed): (usize, u64),
     ) -> Result<Self, Error> {
-        let measured = read(design, assignments, Some(measured))?;
-        let tool = Tool::new(design, &measured, seed)?;
-        let calibration = key(design, &tool, &measured, (draws, seed)).digest();
+        let (design, measured) = read(design, assignments, Some(measured))?;
+        let tool = Tool::new(&design, &measured, seed)?;
+        let calibration = key(&design, &tool, &measured, (draws, seed)).digest();
         Ok(Self {
             tool,
             measured,
@@ -123,9 +124,10 @@ impl Worker {
             Points::Proposals {
                 left_out,
                 factors,
-                settings,
                 proposals,
             } => {
+                // They affect the proposals only.
+                let settings = Settings { moves: 0, seed: 0 };
                 let likelihood = likelihood(&self.tool, &self.measured, &left_out, &factors)?;
                 bytes(&Sampler::new(&self.tool, &likelihood, settings).simulate(proposals))
             }
@@ -139,7 +141,7 @@ impl Worker {
 /// # Errors
 /// Those of [`super::calibrate`].
 pub fn files_of(design: &Design, assignments: &[Assignment], measured: &Path) -> Result<Vec<PathBuf>, Error> {
-    let read = read(design, assignments, Some(measured))?;
+    let (_, read) = read(design, assignments, Some(measured))?;
     Ok(std::iter::once(measured.to_owned()).chain(read.files).collect())
 }
 
@@ -186,7 +188,7 @@ mod tests {
     fn workers_try_the_same_candidates_and_refuse_those_of_another_calibration() {
         let file = std::env::temp_dir().join(format!("nailnoise-tasks-{}.toml", std::process::id()));
         std::fs::write(&file, MEASURED).unwrap();
-        let design = Design::shipped("n80cb.toml").unwrap();
+        let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
         let workers = [1, 2].map(|seed| Here(Worker::new(&design, &[], &file, (64, seed)).unwrap()));
         std::fs::remove_file(&file).unwrap();
         let points = |indices: Range<u64>| Points::Candidates {
@@ -195,10 +197,12 @@ mod tests {
         };
         let [own, other] = &workers;
         let tasks = || [0..16, 16..24].into_iter().map(points);
-        let all: Vec<Option<Tried>> = distributed(own, &own.0.calibration, tasks()).unwrap();
+        let all: Vec<Option<Tried>> = distributed(own, &own.0.calibration, tasks(), 24).unwrap();
         let likelihood = likelihood(&own.0.tool, &own.0.measured, &[], &BTreeMap::new()).unwrap();
         assert_eq!(all, tried(&own.0.tool, &likelihood, 1, 0..24));
-        let refused = distributed::<Option<Tried>>(other, &own.0.calibration, tasks());
+        let refused = distributed::<Option<Tried>>(other, &own.0.calibration, tasks(), 24);
         assert!(matches!(refused, Err(CalibrationError::NoResults)));
+        let too_few = distributed::<Option<Tried>>(own, &own.0.calibration, tasks(), 25);
+        assert!(matches!(too_few, Err(CalibrationError::NoResults)));
     }
 }

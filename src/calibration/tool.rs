@@ -108,9 +108,12 @@ impl Tool {
                 }
             })
             .collect();
-        // The design's own requirements apply to its own values, unless a condition with these values states more.
+        // The design's own requirements apply to its own values, unless a condition with these values is as strict.
         let require = &design.study().require;
-        let is_own = |own: &Shots| !own.outcomes.is_empty() && are_equal(design, &own.design);
+        let is_required = |outcome: &String| require.contains(outcome);
+        let is_own = |own: &Shots| {
+            !own.outcomes.is_empty() && own.outcomes.iter().all(is_required) && are_equal(design, &own.design)
+        };
         if !require.is_empty() && !conditions.iter().any(is_own) {
             conditions.push(Shots {
                 name: design.name().to_owned(),

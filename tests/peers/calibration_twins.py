@@ -8,10 +8,10 @@ figures of the shot. Each twin is measured nine times, with errors drawn as the 
 calibrated. `--wrong drive` multiplies that reading by 1.3 instead, and asks which readings the calibration names.
 
 A twin whose result is in WORK is read from there, so that an interrupted call continues. `--record FILE` appends the
-result of each twin as a line of JSON, with the version of the program, and does not calibrate a twin again that has a
-line for the same settings. The script prints a line for
-each twin and then the coverage of 90 % intervals, of inputs and of figures, by the twins whose sampler converged; the
-others are counted apart. It fails if figures are covered in less than 80 % or more than 98 % of the cases, or, with
+result of each twin as a line of JSON, with the version of the program. A twin that has a line for the same settings is
+not calibrated again, even if another version made the line. The script prints a line for each twin and then the
+coverage of 90 % intervals, of inputs and of figures, by the twins whose sampler converged; the others are counted
+apart. It fails if figures are covered in less than 80 % or more than 98 % of the cases, or, with
 `--wrong`, if the wrong reading is named in fewer than nine of ten twins.
 """
 
@@ -165,7 +165,7 @@ def calibrated(arguments, twin, tool):
     figure_name = lambda row: row["name"].replace(" ", "_")
     version = subprocess.run([arguments.program, "--version"], stdout=subprocess.PIPE, text=True).stdout.splitlines()
     return {
-        "commit": next(line.split()[-1][:12] for line in version if line.startswith("commit")),
+        "sources": next(line.split()[-1][:12] for line in version if line.startswith("sources")),
         "converged": result["converged"],
         "inputs": covered(result["inputs"], tool, lambda row: row["now"], lambda row: row["name"]),
         "figures": covered(result["figures"], tool, lambda row: row["now"][::2], figure_name),
@@ -202,7 +202,8 @@ def main():
     if len(tools) < arguments.twins:
         sys.exit(f"only {len(tools)} hidden tools end their exhaust within the record")
 
-    settings = {"draws": int(arguments.draws), "moves": int(arguments.moves), "wrong": arguments.wrong}
+    settings = {"design": Path(arguments.design).stem, "draws": int(arguments.draws), "moves": int(arguments.moves)}
+    settings["wrong"] = arguments.wrong
     recorded = lines_of(arguments.record)
     found = []
     for twin, tool in enumerate(tools):

@@ -205,7 +205,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
     /// the order of the proposals.
     ///
     /// # Errors
-    /// Those of `simulate`; the state is then that after the last move.
+    /// Those of `simulate`. The run can be continued from the state.
     pub fn run_with<E>(
         &self,
         state: &mut State,

@@ -67,23 +67,26 @@ fn proposals_simulated_in_parts_give_the_same_draws() {
 }
 
 #[test]
-fn a_run_whose_simulation_fails_keeps_the_state_of_its_last_move() {
+fn a_run_whose_simulation_fails_can_be_continued() {
     let (model, likelihood) = (model(), gaussian(&[[1.0, 0.1], [0.5, 0.1]]));
     let sampler = Sampler::new(&model, &likelihood, SETTINGS);
-    let [mut whole, mut state] = [(); 2].map(|()| sampler.begin(candidates(&model, N, 1)));
+    let mut whole = sampler.begin(candidates(&model, N, 1));
     sampler.run(&mut whole, |_| {});
-    let moves = Cell::new(0);
-    let failing = |proposals: Vec<Proposal>| {
-        moves.set(moves.get() + 1);
-        if moves.get() == 3 {
-            return Err("no workers");
-        }
-        Ok(sampler.simulate(proposals))
-    };
-    assert_eq!(sampler.run_with(&mut state, failing, |_| {}), Err("no workers"));
-    assert!(!state.is_finished());
-    sampler.run(&mut state, |_| {});
-    assert_eq!(state, whole);
+    // A step has six moves at most, so one of seven moves in a row is the first of a step.
+    for last in 0..7 {
+        let mut state = sampler.begin(candidates(&model, N, 1));
+        let moves = Cell::new(0);
+        let failing = |proposals: Vec<Proposal>| {
+            if moves.replace(moves.get() + 1) == last {
+                return Err("no workers");
+            }
+            Ok(sampler.simulate(proposals))
+        };
+        assert_eq!(sampler.run_with(&mut state, failing, |_| {}), Err("no workers"));
+        assert!(!state.is_finished());
+        sampler.run(&mut state, |_| {});
+        assert_eq!(state, whole);
+    }
 }
 
 #[test]

@@ -219,6 +219,10 @@ fn every_fault_has_its_place_and_remedy() {
         ),
         (
             "m = { condition = \"a\", quantity = \"loss_factor\", value = \"100\" }".to_owned(),
+            &["is a key of the design", "under [direct]"],
+        ),
+        (
+            "m = { condition = \"a\", quantity = \"mode\", value = \"100 Hz\" }".to_owned(),
             &["this version cannot calibrate"],
         ),
         (
