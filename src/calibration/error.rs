@@ -112,8 +112,8 @@ impl Diagnostic for CalibrationError {
                 Box::new("lower `modes_up_to`: at most 8 nodal lines across the grain, 5 along it")
             }
             Self::OtherCalibration => Box::new(
-                "repeat the call if a file has changed meanwhile; otherwise install the same version of nailnoise on all \
-                 workers",
+                "repeat the call if a file has changed meanwhile; otherwise install the same version of nailnoise on \
+                 all workers",
             ),
             Self::NoResults => Box::new("read the log of the workers; repeating the call continues at the last move"),
             Self::NoVariables => Box::new("give keys a range, as { value = \"131 g\", range = \"+-5 %\" }"),

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Sampler, State};
+use super::state::State;
+use super::target::Sampler;
 use crate::Simulator;
 use crate::statistics::{log_mean_exp, mean, moments};
 

@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Particle, Sampler, State};
+use super::state::{Particle, State};
+use super::target::Sampler;
 use crate::Simulator;
 use crate::likelihood::Prediction;
 use crate::random::Stream;
