@@ -394,7 +394,7 @@ fn under(limit: &str, arguments: &[&str], change: impl FnOnce(&mut Command)) -> 
 fn a_limit_of_the_address_space_ends_a_command_with_words_and_status_2_or_3() {
     let folder = folder("limit-memory");
     let (out, mut ended) = (folder.join("out"), 0);
-    for gigabytes in [0.15, 0.3, 0.6, 1.0, 1.5, 2.0, 4.0] {
+    for gigabytes in [0.1, 0.15, 0.3, 0.6, 1.0, 1.5, 2.0, 4.0] {
         let limit = format!("-v {}", (gigabytes * 1024.0 * 1024.0) as u32);
         let arguments = ["modes", SMALL, "--body", "workpiece", "--no-cache", "--out", text(&out)];
         let output = under(&limit, &arguments, |_| ());
