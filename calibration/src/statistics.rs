@@ -110,7 +110,7 @@ pub fn resampled(weights: &[f64], n: usize, uniform: f64) -> Vec<usize> {
     chosen
 }
 
-/// Mean of numbers; 0 of none.
+/// Mean of numbers; 0 if there are none.
 pub(crate) fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for number in numbers {

@@ -3,10 +3,11 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::normal_key::{normal_key, shown, with_space};
 use super::posterior::Posterior;
 use super::redraw::{Redrawn, is_redrawn};
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
-use crate::design::{Assignment, Design, JointDraws, Name, Value};
+use crate::design::{Assignment, Design, JointDraws};
 use crate::error::Error;
 use crate::output;
 
@@ -109,13 +110,6 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     // Writing to a string cannot fail.
     for own in moved {
         let [low, high] = own.ends;
-        let with = |unit: &str| {
-            if unit.is_empty() {
-                String::new()
-            } else {
-                format!(" {unit}")
-            }
-        };
         let provenance = toml::Value::String(format!("computed: calibrated with {}", result.measured));
         if let Some((entry, solution)) = design.drawn_derived().find(|(entry, _)| entry.key == own.key) {
             let mut moved = design.clone();
@@ -126,7 +120,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
                     .find(|entry| entry.key == solution.follower)
             };
             if let (Ok(()), Some(entry)) = (moved.set(&[(solution.change, own.value.clone())]), follower(&moved)) {
-                let value = shown(&entry.value, &with(&entry.unit));
+                let value = shown(&entry.value, &with_space(&entry.unit));
                 let _ = writeln!(text, "{} = {{ value = {value}, provenance = {provenance} }}", entry.key);
             }
             let follows = solution.follower.rsplit('.').next().unwrap_or(solution.follower);
@@ -135,32 +129,14 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
                 "{} = {{ range = \"{low:?} .. {high:?}{}\", distribution = \"normal\", follows = \"{follows}\", \
                  provenance = {provenance} }}",
                 own.key,
-                with(&entry.unit)
+                with_space(&entry.unit)
             );
         } else if let Some(entry) = entries.iter().find(|entry| entry.key == own.key) {
-            let unit = with(&entry.unit);
-            let _ = writeln!(
-                text,
-                "{} = {{ value = {}, range = \"{low:?} .. {high:?}{unit}\", distribution = \"normal\", \
-                 provenance = {provenance} }}",
-                own.key,
-                shown(&own.value, &unit)
-            );
+            let line = normal_key(entry, &own.value, own.ends, &provenance);
+            let _ = writeln!(text, "{line}");
         }
     }
     text
-}
-
-/// Formats a value as TOML, with its unit.
-fn shown(value: &Value, unit: &str) -> String {
-    match value {
-        Value::Count(count) => count.to_string(),
-        Value::Number(number) if unit.is_empty() => format!("{number:?}"),
-        Value::Number(number) => format!("\"{number:?}{unit}\""),
-        Value::Switch(on) => on.to_string(),
-        Value::Choice(word) => format!("\"{word}\""),
-        Value::File(text) | Value::Name(Name(text)) => toml::Value::String(text.clone()).to_string(),
-    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::error::CalibrationError;
 use super::measurements::{Direct, Measurements};
+use super::normal_key::normal_key;
 use super::reader::{self, Reader};
 use super::request::Request;
 use super::shot;
@@ -79,7 +80,7 @@ impl Inputs {
 }
 
 /// Reads the measurements of a design in a file; none without a file. The cycle's own keys are narrowed as variables
-/// of the sampler. The other keys that were measured are narrowed in the design, because only its levels use them.
+/// of the sampler. Other measured keys affect the levels only, so their ranges are narrowed in the design.
 ///
 /// # Errors
 /// The first fault, with its place; or if the design is calibrated already.
@@ -114,6 +115,13 @@ pub(super) fn read(
     let all = [assignments, &narrowed].concat();
     let design = Design::load_with(design.path(), &all)?;
     let mut measured = measurements(&design, &all)?;
+    let note = |own: &Assignment| {
+        format!(
+            "the cycle does not use `{}`: its measurement narrows the levels only",
+            own.key()
+        )
+    };
+    measured.notes.extend(narrowed.iter().map(note));
     measured.narrowed = narrowed;
     Ok((design, measured))
 }
@@ -131,28 +139,16 @@ fn narrowed(design: &Design, direct: &[Direct], file: &Path) -> Result<Vec<Assig
         let is_of_cycle = of_cycle.iter().any(|variable| variable.name == own.key);
         let entry = entries.iter().find(|entry| entry.key == own.key)?;
         let [low, high] = entry.range?;
-        let ends = [own.value - 2.0 * own.deviation, own.value + 2.0 * own.deviation].map(|end| end.clamp(low, high));
-        if is_of_cycle || ends[0] >= ends[1] {
+        if is_of_cycle {
             return None;
         }
-        let unit = if entry.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" {}", entry.unit)
-        };
-        let value = own.value.clamp(ends[0], ends[1]);
+        let value = own.value.clamp(low, high);
+        let ends = [value - 2.0 * own.deviation, value + 2.0 * own.deviation].map(|end| end.clamp(low, high));
         let value = match entry.value {
-            Value::Count(_) => format!("{value:.0}"),
-            _ if unit.is_empty() => format!("{value:?}"),
-            _ => format!("\"{value:?}{unit}\""),
+            Value::Count(_) => Value::Count(value.round() as u32),
+            _ => Value::Number(value),
         };
-        let [low, high] = ends;
-        let text = format!(
-            "{} = {{ value = {value}, range = \"{low:?} .. {high:?}{unit}\", distribution = \"normal\", \
-             provenance = {provenance} }}",
-            own.key
-        );
-        text.parse().ok()
+        normal_key(entry, &value, ends, &provenance).parse().ok()
     };
     Ok(direct.iter().filter_map(assignment).collect())
 }
@@ -201,6 +197,12 @@ mod tests {
         let key = "piston.rod_protrusion";
         assert_eq!(of(&narrowed, key), of(&design, key));
         assert_eq!(measured.narrowed.len(), 2);
+        assert!(
+            measured
+                .notes
+                .iter()
+                .any(|own| own.contains("does not use `wood.loss_factor`"))
+        );
         let under = &measured.conditions[0].design;
         assert_eq!(of(under, "wood.loss_factor"), of(&narrowed, "wood.loss_factor"));
     }

@@ -22,6 +22,7 @@ mod level_rows;
 mod levels;
 mod measurements;
 mod next;
+mod normal_key;
 mod posterior;
 mod quantities;
 mod quantity_reader;

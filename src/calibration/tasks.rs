@@ -33,7 +33,7 @@ pub trait Workers: Sync {
     fn results(&self, tasks: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>, CalibrationError>;
 }
 
-/// What a task computes.
+/// Points that a task simulates.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) enum Points {
     /// Candidates by their indices; all readings but those `left_out` must have a value.
@@ -57,7 +57,7 @@ struct Task {
 /// The `count` results of the points of tasks, in their order.
 ///
 /// # Errors
-/// Those of the workers, or if their results are not those of the tasks.
+/// Errors of the workers; or if they did not return a result for each point.
 pub(super) fn distributed<R: Serialize + DeserializeOwned>(
     workers: &dyn Workers,
     calibration: &Digest,

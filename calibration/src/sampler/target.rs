@@ -1,4 +1,4 @@
-//! What is sampled: the inputs of a simulator, given a likelihood of its predictions.
+//! The target of the sampler: the inputs of a simulator, given a likelihood of its predictions.
 
 use super::state::Settings;
 use crate::Simulator;
