@@ -119,6 +119,44 @@ fn a_hysteretic_contact_loses_speed_in_proportion_to_the_impact() {
     assert!(record.integral("dashpot.plate").unwrap() > 0.0);
 }
 
+/// A valve thrown against a stiff cap by a constant force. Restitution of a linear contact does not depend on the speed,
+/// so that each flight is shorter than the last by the same factor, down to flights far shorter than a step.
+#[test]
+fn no_bounce_is_missed_however_loose_the_tolerance() {
+    const LIFT: f64 = 0.1;
+    let (mass, stiffness) = (0.034, 3.5e11_f64);
+    for tolerance in [1e-4, 1e-5, 1e-6, 1e-7] {
+        let mut valve = empty("valve", 8e-3);
+        let start = Start::At {
+            travel: LIFT - 1e-3,
+            speed: 0.0,
+        };
+        valve.bodies.push(Body {
+            gravity: 7.7e3,
+            ..body("valve", mass, start)
+        });
+        let damping = 2.0 * 0.29 * (stiffness * mass).sqrt();
+        let cap = contact("cap", 0, Base::Ground, Stop::Below, LIFT, stiffness, damping);
+        valve.contacts.push(cap);
+        let numerics = Numerics {
+            relative_tolerance: tolerance,
+            sample_interval: None,
+            ..Numerics::default()
+        };
+        let record = simulate(&valve, &numerics).unwrap();
+        let times = |word: &str| -> Vec<f64> {
+            let entries = record.log.iter().filter(|entry| entry.word == word);
+            entries.map(|entry| entry.time).collect()
+        };
+        let (closes, opens) = (times("closes"), times("opens"));
+        let flights: Vec<f64> = opens.iter().zip(&closes[1..]).map(|(from, to)| to - from).collect();
+        assert!((5..12).contains(&flights.len()), "{tolerance}: {flights:?}");
+        for pair in flights.windows(2) {
+            assert!(pair[1] < 0.6 * pair[0], "{tolerance}: {flights:?}");
+        }
+    }
+}
+
 /// Balls that fall on a damped plate from many heights, where rounding decides which is located first: the contact or
 /// the event that ends the record.
 #[test]

@@ -25,7 +25,7 @@ pub struct ClosedOutline {
 
 impl ClosedOutline {
     /// The faces exposed to the open air, with a flat cover over the mouth of the nose. The cover moves with the rim of
-    /// the mouth. There is no cover if the nose stands on the floor (`floor` is the height of the floor \[m\]). The
+    /// the mouth. There is no cover if the nose touches the floor (`floor` is the height of the floor \[m\]). The
     /// mouth stays open if the nose does not end in the plane z = 0 with a single simple rim; this may occur in a
     /// user's mesh.
     ///
@@ -215,7 +215,7 @@ mod tests {
                 "{flows:?}"
             );
         }
-        // If the nose stands on the floor, the floor closes its mouth. If the tip is not at z = 0, the mouth remains
+        // If the nose touches the floor, the floor closes its mouth. If the tip is not at z = 0, the mouth remains
         // open.
         let area = |skin: &Surface, floor| ClosedOutline::new(skin, floor).unwrap().mesh.area();
         assert!((area(&skin, Some(0.0)) - 45.0).abs() < 1e-9);

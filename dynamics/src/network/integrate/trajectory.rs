@@ -23,6 +23,28 @@ fn exceed(values: &[f64], limits: &[f64]) -> bool {
         .fold(true, |all, (value, limit)| all & (value > limit))
 }
 
+/// Number of halvings of an interval in which a margin may rise and fall.
+const HALVINGS: i32 = 12;
+
+/// The latest of the points that halve the interval towards its start at which a margin exceeds its tolerance, and the
+/// margin there. After its own event a margin starts at zero; a body that bounces by less than a step returns within
+/// the interval, with a margin that is negative at its end only.
+fn rise<E>(
+    start: f64,
+    end: f64,
+    tolerance: f64,
+    margin: &mut impl FnMut(f64) -> Result<f64, E>,
+) -> Result<Option<(f64, f64)>, E> {
+    for halvings in 1..=HALVINGS {
+        let t = start + (end - start) * 0.5f64.powi(halvings);
+        let height = margin(t)?;
+        if height > tolerance {
+            return Ok(Some((t, height)));
+        }
+    }
+    Ok(None)
+}
+
 /// Whether heights are on the same sides of their levels.
 fn have_equal_signs(a: &[f64], b: &[f64]) -> bool {
     a.iter()
@@ -116,18 +138,24 @@ impl Run<'_> {
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
                 if *after > slots.event_tolerances[slot] {
                     self.armed[slot] = true;
-                } else if *after <= 0.0 && (self.armed[slot] || before.min(*after) < 0.0 && *before <= 0.0) {
-                    let time = if *before > 0.0 {
-                        let w = &mut self.w;
-                        let scratch = &mut self.y;
-                        let margin = |t: f64| {
-                            at(t, scratch)?;
-                            plan.observe(slots.need, t, scratch, mode, w);
-                            Ok(slots.list[slot].margin(plan, mode, w))
-                        };
-                        locate(left, t, *before, *after, margin)?
+                } else if *after <= 0.0 {
+                    let w = &mut self.w;
+                    let scratch = &mut self.y;
+                    let mut margin = |t: f64| {
+                        at(t, scratch)?;
+                        plan.observe(slots.need, t, scratch, mode, w);
+                        Ok(slots.list[slot].margin(plan, mode, w))
+                    };
+                    let positive = if self.armed[slot] && *before > 0.0 {
+                        Some((left, *before))
                     } else {
-                        left
+                        self.fresh = false;
+                        rise(left, t, slots.event_tolerances[slot], &mut margin)?
+                    };
+                    let time = match positive {
+                        Some((start, height)) => locate(start, t, height, *after, margin)?,
+                        None if self.armed[slot] || before.min(*after) < 0.0 && *before <= 0.0 => left,
+                        None => continue,
                     };
                     if found.is_none_or(|(earliest, _)| time < earliest) {
                         found = Some((time, Some(slot)));

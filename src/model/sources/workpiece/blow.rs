@@ -46,7 +46,7 @@ struct ForceError {
 
 impl Mounting {
     /// The mounting on a support.
-    fn on(support: &dyn Support) -> Self {
+    fn of(support: &dyn Support) -> Self {
         if support.open_faces() == OpenFaces::FlushTop {
             Self::InSand
         } else if support.bodies().is_empty() {
@@ -72,7 +72,7 @@ impl Blow {
     /// The model for the fastener of a shot on a support.
     pub(super) fn of(fastener: &DrivenFastener, support: &dyn Support) -> Self {
         if fastener.blows.is_empty() {
-            Self::Rigid(Mounting::on(support))
+            Self::Rigid(Mounting::of(support))
         } else {
             Self::Elastic
         }
@@ -122,11 +122,12 @@ impl Blow {
         Uncertainty {
             minus: uncertainty.minus.map(|own| own + minus),
             plus: uncertainty.plus.map(|own| own + plus),
-            basis: format!("{}; {}, -{minus:.1} to +{plus:.1} dB", uncertainty.basis, self.name()),
+            basis: format!("{}; {}, -{minus:.1} to +{plus:.1} dB", uncertainty.basis, self.basis()),
         }
     }
 
-    fn name(self) -> &'static str {
+    /// The effect that its error covers, in the basis of an uncertainty.
+    fn basis(self) -> &'static str {
         match self {
             Self::Rigid(_) => "rigid blow of the driver",
             Self::Elastic => "convergence of the waves of the blow",
@@ -150,12 +151,12 @@ impl Blow {
         let errors = errors.join(", ");
         match self {
             Self::Rigid(_) => format!(
-                "the driver strikes the fastener as a rigid body; the error of the method contains the waves of the \
-                 blow that an elastic blow would add ({errors}, from shots of the N80CB)"
+                "the driver strikes the fastener as a rigid body; the error of the method includes the waves that an \
+                 elastic blow would add ({errors}, from shots of the N80CB)"
             ),
             Self::Elastic => format!(
                 "the waves of the blow on the fastener depend on the number of elements; the error of the method \
-                 contains it ({errors})"
+                 includes this ({errors})"
             ),
         }
     }
