@@ -11,8 +11,8 @@ use crate::error::Error;
 use crate::stages::cycle::UNNAMED;
 
 /// Integration tolerance of the cycles. In 66 shots of tools that agree with a calibration, it changed the depth of the
-/// head by less than 11 um, times up to the end of the drive by less than 20 us, and the air by less than 0.2 %. Times of
-/// the return change by up to 0.2 ms, as they do at a third of this tolerance.
+/// head by less than 11 um, times up to the end of the drive by less than 20 us, and the air by less than 0.2 %. Times
+/// of the return change by up to 0.2 ms, as they do at a third of this tolerance.
 const TOLERANCE: f64 = 3e-5;
 
 /// Sampling interval \[s\].

@@ -119,8 +119,8 @@ fn a_hysteretic_contact_loses_speed_in_proportion_to_the_impact() {
     assert!(record.integral("dashpot.plate").unwrap() > 0.0);
 }
 
-/// A valve thrown against a stiff cap by a constant force. Restitution of a linear contact does not depend on the speed,
-/// so that each flight is shorter than the last by the same factor, down to flights far shorter than a step.
+/// A constant force throws a valve against a stiff cap. Restitution of a linear contact does not depend on the speed.
+/// Each flight is therefore shorter than the last by the same factor, down to flights far shorter than a step.
 #[test]
 fn no_bounce_is_missed_however_loose_the_tolerance() {
     const LIFT: f64 = 0.1;
