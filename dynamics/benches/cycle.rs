@@ -41,7 +41,7 @@ fn without_samples() -> CycleRecord {
 #[divan::bench]
 fn calibration_shot() -> CycleRecord {
     let settings = Settings {
-        relative_tolerance: 1e-5,
+        relative_tolerance: 3e-5,
         sample_interval: 5e-5,
         ..Settings::default()
     };
