@@ -1,7 +1,7 @@
 //! Statistics of weighted draws.
 
 /// The `p` quantile of some values, which are sorted in place. The values are the points of the distribution at the
-/// midpoints of equal parts, with linear interpolation. NaN if there are no values.
+/// midpoints of equal parts, with linear interpolation. NaN for an empty list.
 pub fn quantile_of(values: &mut [f64], p: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let weights = vec![1.0; values.len()];
@@ -110,7 +110,7 @@ pub fn resampled(weights: &[f64], n: usize, uniform: f64) -> Vec<usize> {
     chosen
 }
 
-/// Mean of numbers; 0 if there are none.
+/// Mean of numbers; 0 for an empty list.
 pub(crate) fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for number in numbers {

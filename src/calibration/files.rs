@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::normal_key::{normal_key, shown, with_space};
 use super::posterior::Posterior;
 use super::redraw::{Redrawn, is_redrawn};
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
+use super::toml_line::{normal_distribution, toml_value, unit_suffix};
 use crate::design::{Assignment, Design, JointDraws};
 use crate::error::Error;
 use crate::output;
@@ -120,7 +120,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
                     .find(|entry| entry.key == solution.follower)
             };
             if let (Ok(()), Some(entry)) = (moved.set(&[(solution.change, own.value.clone())]), follower(&moved)) {
-                let value = shown(&entry.value, &with_space(&entry.unit));
+                let value = toml_value(&entry.value, &entry.unit);
                 let _ = writeln!(text, "{} = {{ value = {value}, provenance = {provenance} }}", entry.key);
             }
             let follows = solution.follower.rsplit('.').next().unwrap_or(solution.follower);
@@ -129,10 +129,10 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
                 "{} = {{ range = \"{low:?} .. {high:?}{}\", distribution = \"normal\", follows = \"{follows}\", \
                  provenance = {provenance} }}",
                 own.key,
-                with_space(&entry.unit)
+                unit_suffix(&entry.unit)
             );
         } else if let Some(entry) = entries.iter().find(|entry| entry.key == own.key) {
-            let line = normal_key(entry, &own.value, own.ends, &provenance);
+            let line = normal_distribution(entry, &own.value, own.ends, &provenance);
             let _ = writeln!(text, "{line}");
         }
     }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::error::CalibrationError;
 use super::measurements::{Direct, Measurements};
-use super::normal_key::normal_key;
 use super::reader::{self, Reader};
 use super::request::Request;
 use super::shot;
+use super::toml_line;
 use crate::design::{Assignment, Design, Value};
 use crate::error::Error;
 use crate::study::cycle_variables;
@@ -148,7 +148,9 @@ fn narrowed(design: &Design, direct: &[Direct], file: &Path) -> Result<Vec<Assig
             Value::Count(_) => Value::Count(value.round() as u32),
             _ => Value::Number(value),
         };
-        normal_key(entry, &value, ends, &provenance).parse().ok()
+        toml_line::normal_distribution(entry, &value, ends, &provenance)
+            .parse()
+            .ok()
     };
     Ok(direct.iter().filter_map(assignment).collect())
 }

@@ -22,7 +22,6 @@ mod level_rows;
 mod levels;
 mod measurements;
 mod next;
-mod normal_key;
 mod posterior;
 mod quantities;
 mod quantity_reader;
@@ -37,6 +36,7 @@ mod spread;
 mod start;
 mod structures;
 mod tasks;
+mod toml_line;
 mod tool;
 mod trace;
 

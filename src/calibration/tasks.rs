@@ -29,7 +29,7 @@ pub trait Workers: Sync {
     /// Results of tasks, in their order.
     ///
     /// # Errors
-    /// If a task has no result.
+    /// If the result of a task is missing.
     fn results(&self, tasks: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>, CalibrationError>;
 }
 
@@ -57,7 +57,7 @@ struct Task {
 /// The `count` results of the points of tasks, in their order.
 ///
 /// # Errors
-/// Errors of the workers; or if they did not return a result for each point.
+/// Errors of the workers, and if they do not return one result per point.
 pub(super) fn distributed<R: Serialize + DeserializeOwned>(
     workers: &dyn Workers,
     calibration: &Digest,

@@ -247,7 +247,7 @@ fn end(design: &Design, quantities: &[Quantity], has_outcome: bool) -> f64 {
     ends.reduce(f64::max).unwrap_or(SHORTEST)
 }
 
-/// Whether two designs have the same values, up to the rounding of a conversion: 96 psig is 763.2 kPa absolute.
+/// Whether two designs have the same values, up to the rounding of a conversion: 96 psig equals 763.2 kPa absolute.
 fn are_equal(a: &Design, b: &Design) -> bool {
     const ROUNDING: f64 = 1e-3;
     let is_equal = |key: &String| {

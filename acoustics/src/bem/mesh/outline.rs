@@ -25,9 +25,8 @@ pub struct ClosedOutline {
 
 impl ClosedOutline {
     /// The faces exposed to the open air, with a flat cover over the mouth of the nose. The cover moves with the rim of
-    /// the mouth. There is no cover if the nose touches the floor (`floor` is the height of the floor \[m\]). The
-    /// mouth stays open if the nose does not end in the plane z = 0 with a single simple rim; this may occur in a
-    /// user's mesh.
+    /// the mouth. A nose that touches the floor, at the height `floor` \[m\], needs no cover. The mouth stays open if
+    /// the nose does not end in the plane z = 0 with a single simple rim; this may occur in a user's mesh.
     ///
     /// # Errors
     /// [`MeshError`] of the surface.

@@ -23,12 +23,14 @@ fn exceed(values: &[f64], limits: &[f64]) -> bool {
         .fold(true, |all, (value, limit)| all & (value > limit))
 }
 
-/// Number of halvings of an interval in which a margin may rise and fall.
+/// Largest number of halvings of an interval when a positive margin is sought in it.
 const HALVINGS: i32 = 12;
 
-/// The latest of the points that halve the interval towards its start at which a margin exceeds its tolerance, and the
-/// margin there. After its own event a margin starts at zero; a body that bounces by less than a step returns within
-/// the interval, with a margin that is negative at its end only.
+/// A time in the interval at which the margin exceeds its tolerance, and the margin at that time. The search halves the
+/// interval towards its start and returns the first such time.
+///
+/// The margin of a slot is zero directly after an event of the slot. If a bounce is shorter than the interval, the
+/// margin is positive inside the interval and negative again at its end.
 fn rise<E>(
     start: f64,
     end: f64,
